@@ -5,6 +5,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 VERSION: str
+COMPILER: str
+INSTRUCTIONS: str
 MOST_ROWS: int
 ROWS_PER_THREAD: int
 WIDEST_RANGE_OF_DISKS: int

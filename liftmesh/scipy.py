@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from liftmesh.planar.lifting import LowerHull
 else:
-    spatial = load("scipy.spatial")
+    spatial = load("scipy.spatial", extra="scipy")
 
 __all__ = ["Delaunay", "SpaceDelaunay", "SpaceVoronoi", "Voronoi"]
 

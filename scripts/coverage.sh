@@ -63,7 +63,7 @@ gather() {
     drop_broken
     "$python" -m coverage combine --quiet
     mv "$COVERAGE_FILE" "$out/python"
-    "$python" -m gcovr --root . --filter liftmesh/_core/ --exclude-noncode-lines \
+    "$python" -m gcovr --root . --filter liftmesh/_core/ --exclude liftmesh/_core/third_party/ --exclude-noncode-lines \
         --gcov-ignore-errors=source_not_found --json "$out/kernel.json" "$kernel"
 }
 

@@ -9,7 +9,7 @@ environment=.venv
 
 prepare_machine build
 # Editable, so that Python started in this folder finds the kernel and not the bare sources.
-make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable .
+make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable '.[cli,scipy,trimesh]'
 mkdir -p out
 
 show liftmesh info data/jacksboro.ply

@@ -1,4 +1,4 @@
-"""Draw the pictures of CELLS.md: ``python scripts/draw_cells.py [NAME ...]``.
+"""Draw the pictures of docs/guide/cells.md: ``python scripts/draw_cells.py [NAME ...]``.
 
 The city and its schools, the disks and the density are made up here. The photograph is the cat
 Chelsea, which scikit-image includes as sample data, by its author, in the public domain (CC0).

@@ -1,4 +1,4 @@
-"""Draw the pictures of CONSTRAINTS.md: ``python scripts/draw_constraints.py [NAME ...]``.
+"""Draw the pictures of lines in triangulations: ``python scripts/draw_constraints.py [NAME ...]``.
 
 The coast is the contour of fractal noise, and the hills with their road are made up. The wing is
 the section NACA 0012.

@@ -1,4 +1,4 @@
-"""Draw the picture of PyVista in PLUGINS.md, by PyVista: ``python scripts/draw_plugins.py``.
+"""Draw the picture of PyVista in plugins.md, by PyVista: ``python scripts/draw_plugins.py``.
 
 It needs PyVista, which the environment of the tests lacks: ``pip install 'liftmesh[pyvista]'``.
 """

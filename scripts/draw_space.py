@@ -1,4 +1,4 @@
-"""Draw the picture of points in space in README.md: ``python scripts/draw_space.py``."""
+"""Draw the picture of points in space in space.md: ``python scripts/draw_space.py``."""
 
 from __future__ import annotations
 

@@ -78,8 +78,9 @@ def includes_of(kernel: Path) -> Graph:
         for path in files
         for name in INCLUDE.findall(path.read_text("utf-8"))
     ]
-    rooms = (room_of_file(path, kernel) for path in files)
-    return graph_of(rooms, ((room_of_file(a, kernel), room_of_file(b, kernel)) for a, b in pairs))
+    rooms = {room_of_file(path, kernel) for path in files}  # what others wrote is no room
+    named = ((room_of_file(a, kernel), room_of_file(b, kernel)) for a, b in pairs)
+    return graph_of(rooms, ((room, other) for room, other in named if other in rooms))
 
 
 def included(name: str, folder: Path, kernel: Path) -> Path:

@@ -80,6 +80,7 @@ def _lines() -> Iterator[str]:
         yield f"compare <mesh.{kind} --lower >lower.ply --hull >hull.glb"
         yield f"triangulate <mesh.{kind} {targets[k % len(targets)]}"
     yield "info <mesh.npy --json"
+    yield "doctor --json"
     for kind in MESHES:
         yield f"verify <mesh.{kind} --certificate >new.json"
     yield "contour <mesh.ply >lines.geojson --interval 0.1"

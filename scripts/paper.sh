@@ -20,7 +20,7 @@ replace_committed() {
 
 prepare_machine build
 # Editable, so that Python started in this folder finds the kernel and not the bare sources.
-make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable '.[plot]'
+make_environment $environment "pyproject.toml README.md LICENSE liftmesh" --editable '.[cli,plot]'
 mkdir -p out
 
 if (($# == 0)); then

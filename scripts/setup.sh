@@ -211,7 +211,7 @@ build_wheel() {
 }
 
 # build_beside FOLDER REQUIREMENT...: builds liftmesh while the dependencies of the tests are downloaded and unpacked,
-# which takes one processor at most.
+# which takes one processor at most. They are not compiled to bytecode: test.sh does that, where it is of use.
 build_beside() {
     local folder=$1 built process wanted
     built=$(mktemp) wanted=$(mktemp)
@@ -219,7 +219,7 @@ build_beside() {
     process=$!
     dependencies "$folder/bin/python" >"$wanted"
     run_quietly "Installing the dependencies of the tests, and building liftmesh, into $folder" \
-        pip_install "$folder" --requirement "$wanted"
+        pip_install "$folder" --no-compile --requirement "$wanted"
     run_quietly "Waiting for the build" finished "$process" "$built"
     rm -f "$built" "$wanted"
 }

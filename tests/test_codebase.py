@@ -8,6 +8,7 @@ import operator
 import pydoc
 import re
 import textwrap
+from collections.abc import Iterator
 from functools import cache, cached_property
 from itertools import groupby
 from pathlib import Path
@@ -20,6 +21,7 @@ import liftmesh
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "liftmesh"
+OTHERS = PACKAGE / "_core" / "third_party"  # as its authors wrote it
 LONGEST_FILE = 450  # lines of a file of C++
 MOST_CODE = 400  # lines of a file of Python that are neither blank, nor comment, nor docstring
 SUFFIXES = {".py", ".pyi", ".c", ".h", ".cpp", ".hpp", ".txt", ".md", ".toml", ".yaml", ".sh"}
@@ -138,7 +140,8 @@ def test_no_doctest_is_left_out() -> None:
 
 @pytest.mark.slow
 def test_files_stay_small() -> None:
-    sources = [p for p in project_files() if p.suffix in {".c", ".h", ".cpp", ".hpp"}]
+    ours = [p for p in project_files() if p.parent != OTHERS]
+    sources = [p for p in ours if p.suffix in {".c", ".h", ".cpp", ".hpp"}]
     python = [p for p in project_files() if p.suffix == ".py"]
     assert min(len(sources), len(python)) > 50
     lengths = {p: len(p.read_text("utf-8").splitlines()) for p in sources}
@@ -165,13 +168,57 @@ def test_what_no_test_reaches_says_why() -> None:
     assert [p for p in sources if re.search(pattern, p.read_text("utf-8"))] == []
 
 
+OF_SOME_SYSTEMS = {  # modules, and what `os` and `signal` have, that Windows or macOS lacks
+    *("fcntl", "msvcrt", "_winapi", "winreg", "select", "selectors", "resource", "termios", "tty"),
+    *("pty", "pwd", "grp", "syslog", "posix", "ctypes"),
+    *("register_at_fork", "fork", "pipe", "pipe2", "set_blocking", "mkfifo", "sched_getaffinity"),
+    *("pread", "preadv", "pwrite", "pwritev", "fchmod", "fchown", "chown", "link", "statvfs"),
+    *("getuid", "geteuid", "getpgid", "killpg", "setsid", "uname", "getloadavg", "sendfile"),
+    *("posix_fadvise", "posix_fallocate", "fdatasync", "openpty", "wait", "waitpid", "nice"),
+    *("O_TMPFILE", "O_PATH", "O_NOFOLLOW", "O_NONBLOCK", "O_DIRECTORY", "O_CLOEXEC", "O_BINARY"),
+    *("SIGALRM", "SIGHUP", "SIGKILL", "SIGPIPE", "SIGQUIT", "SIGUSR1", "SIGCHLD", "SIGSTOP"),
+    *("dir_fd", "src_dir_fd", "dst_dir_fd"),
+    *("alarm", "setitimer", "pthread_kill", "pthread_sigmask", "sigwait", "siginterrupt", "pause"),
+}
+ONE_FILE = "base/platform.py"
+
+
+def of_some_systems(tree: ast.AST) -> Iterator[str]:
+    """What a file names that not all systems have; calls by descriptors of folders among it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (each.name.partition(".")[0] for each in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            is_theirs = node.module in {"os", "signal"}
+            yield from [each.name for each in node.names] if is_theirs else [node.module or ""]
+        elif isinstance(node, ast.Attribute):
+            if getattr(node.value, "id", "") in {"os", "signal"}:
+                yield node.attr
+        elif isinstance(node, ast.Call) and getattr(node.func, "value", None) is not None:
+            is_theirs = getattr(node.func.value, "id", "") == "os"
+            yield from (f"{each.arg}" for each in node.keywords if is_theirs)
+
+
+@pytest.mark.slow
+def test_what_some_systems_lack_is_named_in_one_file() -> None:
+    found = {}
+    for path in PACKAGE.rglob("*.py"):
+        name = path.relative_to(PACKAGE).as_posix()
+        named = {*of_some_systems(ast.parse(path.read_text("utf-8")))} & OF_SOME_SYSTEMS
+        if named and not name.startswith("plugins/qgis/plugin"):
+            found[name] = named
+    assert {"select", "register_at_fork", "dir_fd"} <= found.pop(ONE_FILE)
+    assert found == {}
+
+
 KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "base": set(),
     "predicates": {"base"},
     "parallel": {"base"},
-    "text": {"base", "parallel"},
+    "text": {"base", "parallel", "third_party"},
     "sorting": {"base", "predicates", "parallel"},
     "delaunay": {"base", "predicates", "parallel", "sorting"},
+    "library": {"base", "delaunay"},
     "alpha": {"base", "predicates", "parallel", "sorting", "tetrahedra"},
     "anisotropic": {"base", "predicates", "parallel", "sorting"},
     "apollonius": {"base", "predicates", "parallel", "sorting"},
@@ -202,9 +249,16 @@ def test_kernel_sources_include_what_is_below_them_by_room() -> None:
             assert {Path(name).parent.as_posix() for name in included} <= {room, *below}, source
 
 
+def test_one_file_of_the_kernel_knows_the_system() -> None:
+    header = re.compile(r"#include <(?:unistd|fcntl|pthread|windows|sys/|dlfcn|malloc)")
+    core = (PACKAGE / "_core").rglob("*.[ch]pp")
+    assert {p.name for p in core if header.search(p.read_text("utf-8"))} == {"platform.cpp"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"]
+    "page",
+    ["docs/project/trust.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"],
 )
 def test_programs_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")

@@ -171,6 +171,10 @@ def test_the_counts_of_a_tree(house: Path, capsys: pytest.CaptureFixture[str]) -
     assert "loose modules: 4 (attic, ground, tools, walls)" in told
 
 
+def test_no_modules_import_each_other() -> None:
+    assert counts.circles(import_graph.ROOT / import_graph.PACKAGE) == []
+
+
 @pytest.mark.slow
 def test_the_modules_that_a_call_loads(tmp_path: Path) -> None:
     counts.make_files(tmp_path)

@@ -21,6 +21,7 @@ import numpy as np
 
 from liftmesh._typing import Integers, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.display import card_of
 from liftmesh.errors import InputError
 
 Key = TypeVar("Key")
@@ -31,6 +32,7 @@ class FrozenResult:
     """Base of frozen dataclasses that are read-only throughout, also in copies and pickles."""
 
     __slots__ = ()
+    _repr_html_ = card_of
 
     def __post_init__(self) -> None:
         freeze(self)

@@ -20,7 +20,6 @@ then on `check` raises: it stands wherever a finished file would be put in place
 from __future__ import annotations
 
 import os
-import signal
 import sys
 import threading
 
@@ -31,9 +30,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from types import FrameType, TracebackType
+from typing import TYPE_CHECKING
 
-# Those whose handlers are known to raise: Ctrl-C, an end that was asked for, and a time limit.
-_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGALRM)
+from liftmesh.base.platform import FOLDER, HOLDS_FOLDERS, SIGNALS, Folder, open_file
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _announced: list[BaseException] = []
 
@@ -57,7 +59,7 @@ class _Guard:
         if threading.current_thread() is not threading.main_thread():
             return  # handlers run in the main thread, and only it may replace them
         try:
-            for number in _SIGNALS:
+            for number in SIGNALS:
                 handler = getsignal(number)
                 if callable(handler):
                     self._handlers[number] = handler
@@ -72,7 +74,7 @@ class _Guard:
         self, _: type[BaseException] | None, error: BaseException | None, __: TracebackType | None
     ) -> None:
         self._is_inside = False
-        for _attempt in (*_SIGNALS, None):  # each may raise once
+        for _attempt in (*SIGNALS, None):  # each may raise once
             try:
                 self._restore()
                 break
@@ -141,12 +143,22 @@ def opened(
     held: list[int] = []
     try:
         try:
-            held.extend(map(partial(os.open, mode=mode, dir_fd=folder), (path,), (flags,)))
+            held.extend(map(partial(open_file, mode=mode, dir_fd=folder), (path,), (flags,)))
             yield held[0]
         finally:
             _close(held)
     finally:
         _close(held)  # if the handler raised before the other could
+
+
+@contextmanager
+def held(folder: Path) -> Iterator[Folder]:
+    """Hold a folder open, where systems can."""
+    if HOLDS_FOLDERS:
+        with opened(folder, FOLDER) as descriptor:
+            yield Folder(folder, descriptor)
+    else:
+        yield Folder(folder, None)
 
 
 def _close(held: list[int]) -> None:

@@ -14,6 +14,7 @@ from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, NoReturn, TypeAlias
 
+from liftmesh.base.platform import processors
 from liftmesh.errors import InputError, Option
 
 VARIABLE = "LIFTMESH_NUM_THREADS"
@@ -133,7 +134,7 @@ def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
     if rows < 2 * _kernel.ROWS_PER_THREAD:
         return 1, True
     chosen = os.environ.get(VARIABLE)
-    return (_threads_of(chosen) if chosen else _cores()), True
+    return (_threads_of(chosen) if chosen else cores()), True
 
 
 def _threads_of(text: str) -> int:
@@ -144,10 +145,9 @@ def _threads_of(text: str) -> int:
     return as_count(VARIABLE, text, 1, MOST_THREADS)  # which raises: no text is a number
 
 
-def _cores() -> int:
-    if hasattr(os, "sched_getaffinity"):
-        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
-    return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux
+def cores() -> int:
+    """Return how many processors this process may use, of those that threads are started on."""
+    return min(processors(), MOST_THREADS)
 
 
 def check_progress(progress: object) -> None:

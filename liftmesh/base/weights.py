@@ -17,8 +17,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import as_numbers, read_only
+from liftmesh.base.display import card_of
 from liftmesh.base.options import counted
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, MissingDependencyError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -64,6 +65,7 @@ class Weights:
     indices: Rows
     data: Floats
     shape: tuple[int, int]
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         points, rows = self.shape
@@ -129,6 +131,11 @@ class Weights:
             rounding: a constant may change in its last bits. For points without weights they
             are 0, not NaN.
 
+        Raises
+        ------
+        MissingDependencyError
+            SciPy is not installed: ``pip install 'liftmesh[scipy]'``.
+
         See Also
         --------
         Weights.interpolate : The bits of `Surface.sample`.
@@ -141,7 +148,11 @@ class Weights:
         >>> matrix.T @ [1, 1]  # what each vertex counts for
         array([0.5 , 0.25, 1.25])
         """
-        from scipy.sparse import csr_array  # noqa: PLC0415 - a large library
+        try:
+            from scipy.sparse import csr_array  # noqa: PLC0415 - a large library
+        except ImportError as error:
+            reason = f"a sparse matrix needs scipy, which cannot be imported ({error})"
+            raise MissingDependencyError(f"{reason}: pip install 'liftmesh[scipy]'") from error
 
         return csr_array((self.data.copy(), self.indices.copy(), self.indptr.copy()), self.shape)
 

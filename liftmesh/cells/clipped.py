@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only, starts_of_runs
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
@@ -19,7 +20,7 @@ _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
 
-class ClippedCells:
+class ClippedCells(Plotted):
     """Cells of rows inside a domain: what `Cells` and `ApolloniusCells` share."""
 
     duplicates: Rows

@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Progress
 from liftmesh.base.arrays import as_numbers, read_only
+from liftmesh.base.display import card_of
 from liftmesh.base.options import as_count, as_switch, check_progress, counted, part_of, shown
 from liftmesh.cells.measure import Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells, cells_of
@@ -80,6 +81,7 @@ class LloydResult:
     energies: Floats
     largest_move: float
     converged: bool
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         steps = len(self.energies) - 1
@@ -220,6 +222,7 @@ class TransportResult:
     damping: Floats
     converged: bool
     stalled: bool
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else "not converged"
@@ -506,7 +509,7 @@ def _better(one: _State | None, other: _State) -> _State:
 
 def _step(here: Measure, missing: Floats, spread: float) -> Floats:
     """Newton's step; the weight of the first row stays. NaN if there is none."""
-    sparse, linalg = load("scipy.sparse"), load("scipy.sparse.linalg")
+    sparse, linalg = load("scipy.sparse", extra="scipy"), load("scipy.sparse.linalg", extra="scipy")
     rows, points = len(missing), here.cells.points
     one, other, held = here.walls(spread)
     slope = held / (2 * np.hypot(*(points[one] - points[other]).T))

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import check_progress, counted, part_of
 from liftmesh.cells.domain import Domain, as_domain
@@ -323,7 +324,7 @@ class ExactCorners(DomainCorners):
         return value * value if self.dual.kind == "radii" else value
 
 
-class Unclipped:
+class Unclipped(Plotted):
     """A Voronoi or power diagram in the whole plane: the `Cells.unclipped` of cells.
 
     Vertices, ridges and regions are those of ``scipy.spatial.Voronoi``, and its

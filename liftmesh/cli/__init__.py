@@ -99,6 +99,11 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
 
 def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
+    if words == ["doctor"]:  # which says what is missing: click, perhaps
+        return import_module("liftmesh.cli.doctor").run()
+    from liftmesh.optional import load
+
+    load("click", extra="cli")
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.application").complete(words[0], words[1:])
     with _noted_warnings():

@@ -26,7 +26,7 @@ COMMANDS = (
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "height",
     "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
     "voronoi", "constrain", "refine", "tetrahedralize", "hull", "alpha-shape",
-    "plot", "view", "paper",
+    "plot", "view", "paper", "doctor",
 )  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 VARIABLE = "_LIFTMESH_COMPLETE"
@@ -103,6 +103,12 @@ class Command(click.Command):
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Write arguments and options in panels."""
+        for name, records in self.panels(ctx).items():
+            with formatter.section(name):
+                formatter.write_dl(records)
+
+    def panels(self, ctx: click.Context) -> dict[str, list[tuple[str, str]]]:
+        """Return the parts of the help that have arguments or options, with their texts."""
         panels: dict[str, list[tuple[str, str]]] = {name: [] for name in PANELS}
         for each in self.get_params(ctx):
             spec = self._specs.get(each.name or "", Spec("", panel=PANELS[-1]))  # that of --help
@@ -110,10 +116,7 @@ class Command(click.Command):
                 panels[PANELS[0]].append((each.make_metavar(ctx), spec.text))
             elif record := each.get_help_record(ctx):
                 panels[spec.panel or PANELS[1]].append(record)
-        for name, records in panels.items():
-            if records:
-                with formatter.section(name):
-                    formatter.write_dl(records)
+        return {name: records for name, records in panels.items() if records}
 
 
 def _listed(title: str, lines: list[str]) -> str:

@@ -20,8 +20,6 @@ from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
-import click
-
 from liftmesh.base.options import (
     MOST_THREADS,
     NonFinite,
@@ -143,6 +141,8 @@ def as_usage() -> Iterator[None]:
     try:
         yield
     except InputError as error:
+        import click  # `liftmesh doctor` does without
+
         raise click.BadParameter(error.message) from error
 
 
@@ -390,5 +390,7 @@ def lifting(
     """Return the lifting option (weights, radii, metric or the sphere), at most one."""
     chosen = given(weights=weights, radii=radii, metric=metric, spherical=spherical)
     if len(chosen) > 1:
+        import click
+
         raise click.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
     return chosen

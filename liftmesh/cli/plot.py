@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import click
+
 from liftmesh.cli import options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, flag, option, positive, whole
 
@@ -34,6 +36,7 @@ def run(
     *,
     contours: Annotated[bool, flag("Draw lines of equal height.")] = True,
     edges: Annotated[bool, flag("Draw the sides of all faces.")] = False,
+    tiles: Annotated[bool, flag("Draw the cuts between tiles, and what crosses them.")] = False,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
@@ -46,6 +49,10 @@ def run(
     outputs.check_place(target)
     surface = surfaces.read_or_open(source, reading)
     style: dict[str, Any] = {"edges": edges, **options.given(cmap=cmap, values=values)}
+    if source.is_dir():
+        style["tiles"] = tiles
+    elif tiles:
+        raise click.BadParameter("--tiles is for a folder of liftmesh tile --surface")
     wanted = (interval or True) if contours else False
     with terminal.stage(f"drawing {target.name}"):
         figure: Any = liftmesh.plot(surface, contours=wanted, **style).figure

@@ -23,7 +23,6 @@ from __future__ import annotations
 import errno
 import io
 import os
-import select
 import signal
 import sys
 import threading
@@ -32,7 +31,7 @@ from contextlib import suppress
 from types import FrameType
 from typing import Any, NoReturn, TextIO
 
-from liftmesh.base import interruption
+from liftmesh.base import interruption, platform
 from liftmesh.cli import exit_codes
 
 CODES: dict[int, int] = {
@@ -125,7 +124,7 @@ class Ending:
 def _write_now(line: str) -> None:
     """Write to stderr without Python's streams, which the main thread may be using."""
     with suppress(OSError, ValueError):  # closed
-        if select.select([], [2], [], 0.1)[1]:  # a full pipe must not hold up the end
+        if platform.may_write(2, 0.1):  # a full pipe must not hold up the end
             os.write(2, f"{_CLEAN_LINE if os.isatty(2) else ''}{line}".encode())
 
 
@@ -134,31 +133,30 @@ class Watchdog:
 
     def __init__(self, ending: Ending) -> None:
         self._ending = ending
-        self._pipe = (-1, -1)
         self._thread = threading.Thread(target=self._watch, daemon=True)
 
     def start(self) -> None:
         """Listen, if the process may have another thread, and a pipe."""
         usual = threading.stack_size(_STACK)
         with suppress(OSError, RuntimeError, MemoryError):
-            self._pipe = _spare_pipe()
-            os.set_blocking(self._pipe[1], False)
+            self._reader, self._writer = platform.signal_pipe()
             self._thread.start()
-            signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
-            os.register_at_fork(after_in_child=_forget)
+            signal.set_wakeup_fd(self._writer.fileno(), warn_on_full_buffer=False)
+            platform.after_fork(_forget)
         threading.stack_size(usual)
 
     def stop(self) -> None:
         """Let the process go on to its end."""
         if self._thread.is_alive():
             signal.set_wakeup_fd(-1)
-            os.write(self._pipe[1], bytes([_OVER]))
+            self._writer.write(bytes([_OVER]))
             self._thread.join()
+            self._reader.close()
+            self._writer.close()
 
     def _watch(self) -> None:
-        reader, _ = self._pipe
-        first = _next(reader)
-        if first and _next(reader, time.monotonic() + GRACE) != _OVER:
+        first = _next(self._reader)
+        if first and _next(self._reader, time.monotonic() + GRACE) != _OVER:
             self.end(self._ending.tell(first))
 
     def end(self, code: int) -> None:
@@ -171,25 +169,13 @@ class Watchdog:
         os._exit(code)
 
 
-def _spare_pipe() -> tuple[int, int]:
-    """Open a pipe, if the process may open another file besides: the command has to."""
-    pipe = os.pipe()
-    try:
-        os.close(os.dup(pipe[0]))
-    except OSError:
-        for end in pipe:
-            os.close(end)
-        raise
-    return pipe
-
-
-def _next(reader: int, end: float | None = None) -> int | None:
+def _next(reader: io.RawIOBase, end: float | None = None) -> int | None:
     """Wait for a signal and return it; `_OVER` if the command is over, None if it is late."""
     while True:
         left = None if end is None else max(0.0, end - time.monotonic())
-        if not select.select([reader], [], [], left)[0]:
+        if not platform.may_read(reader, left):
             return None
-        (number,) = os.read(reader, 1)
+        (number,) = reader.read(1)
         if number == _OVER or number in CODES:
             return number
 

@@ -28,7 +28,7 @@ _LONG = 20  # times the median of all sides
 
 Source: TypeAlias = Annotated[
     Path,
-    argument("IN", "Mesh as liftmesh triangulate writes it, or a cloud, which it does."),
+    argument("IN", "Mesh as liftmesh triangulate writes it, or a cloud, triangulated first."),
 ]
 Values: TypeAlias = Annotated[
     str | None, option("NAME", "Values of the vertices in place of heights, as intensity.")

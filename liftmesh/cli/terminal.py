@@ -15,6 +15,7 @@ import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from importlib.util import find_spec
 from threading import Event, Thread
 from time import monotonic
 from types import MappingProxyType
@@ -304,6 +305,8 @@ def bytes_text(count: float) -> str:
 def _console(stream: TextIO) -> Console | None:
     """Return rich's view of a stream, if it is a terminal."""
     if not stream.isatty() and not any(os.environ.get(each) for each in FORCED):
+        return None
+    if find_spec("rich") is None:  # as where liftmesh is installed without the extra cli
         return None
     from rich.console import Console
 

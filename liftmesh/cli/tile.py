@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 SHORT_HELP = "Triangulate more points than memory holds, in tiles."
 HELP = (
     "Writes shards of triangles and a manifest to a folder. Together they are exactly the "
-    "triangles of all points. A run that was stopped goes on where it was. With --surface, shards "
+    "triangles of all points. A run that was stopped resumes. With --surface, shards "
     "also hold vertices with heights and values, and IN may be any cloud."
 )
 EXAMPLES = [

@@ -154,7 +154,8 @@ def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
     apex = opposite_rows(simplices, triangle, edge, other)
     a, b, c = points[simplices[triangle].T]
     sign = incircle(a, b, c, points[apex])
-    csgraph, sparse = load("scipy.sparse.csgraph"), load("scipy.sparse")
+    csgraph = load("scipy.sparse.csgraph", extra="scipy")
+    sparse = load("scipy.sparse", extra="scipy")
     merged = sign == 0
     pairs = (np.ones(int(merged.sum()), dtype=bool), (triangle[merged], other[merged]))
     graph = sparse.coo_array(pairs, shape=(len(simplices), len(simplices)))

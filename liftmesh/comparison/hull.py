@@ -91,7 +91,7 @@ def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
     """Build trimesh's hull; return it (or None), the seconds it took, and the error if any."""
     if not np.isfinite(lifted).all():
         return None, 0.0, "the lifted coordinates exceed float64"
-    convex, qhull = load("trimesh.convex"), load("scipy.spatial")
+    convex, qhull = load("trimesh.convex", extra="trimesh"), load("scipy.spatial", extra="scipy")
 
     def build() -> Any:
         with np.errstate(all="ignore"):

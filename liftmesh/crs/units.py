@@ -41,6 +41,18 @@ _NAMES = {
 }
 
 
+def planar_unit(crs: str | None) -> str | None:
+    """Return the name of the unit of x."""
+    system = parse_crs(crs)
+    return system.units[0].name if system and system.units[0] else None
+
+
+def stated_unit(crs: str | None) -> str:
+    """Say the unit of x and y in what is told of a result, if it is known."""
+    unit = planar_unit(crs)
+    return f", x and y in {unit}" if unit else ""
+
+
 def system_of(cloud: Placed) -> System | None:
     """Read what a coordinate system says, with the unit of a raster's band as that of z."""
     system, unit = parse_crs(cloud.crs), band_unit(cloud)

@@ -17,7 +17,6 @@ long as its process lives. A folder without that file, or with another name, is 
 from __future__ import annotations
 
 import errno
-import fcntl
 import io
 import os
 import re
@@ -28,27 +27,20 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from liftmesh.base.interruption import check, opened
+from liftmesh.base.interruption import check, held, opened
+from liftmesh.base.platform import NAMELESS, OPEN_FILES, REGULAR, Folder, lock, set_mode
 from liftmesh.io.streams import add_name, check_links
 
-# Linux's flag to open a file without a name, the folder through which to name it later, and the
-# errors of file systems that do not support such files.
-_NAMELESS: int = getattr(os, "O_TMPFILE", 0)
-_OPEN_FILES = Path("/proc/self/fd")
-_NOT_NAMELESS = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}
+_NOT_NAMELESS = {errno.EOPNOTSUPP, errno.EISDIR, errno.EINVAL}  # of file systems without such files
 
-# A writable folder need not be readable.
-_FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)
-
-# The folders, as descriptors, and names of temporary files that may exist at the moment.
-_unfinished: set[tuple[int, str]] = set()
+# The folders and names of temporary files that may exist at the moment.
+_unfinished: set[tuple[Folder, str]] = set()
 
 # The folders of `working_folder` that may exist at the moment.
 unfinished_folders: set[Path] = set()
 _ATTEMPTS = 3  # at removing a folder in which another thread may still make files
 
 LOCK = "in-use"
-_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
 @contextmanager
@@ -116,7 +108,7 @@ def remove_unfinished() -> None:
     """Remove the temporary files and folders of this process, which is about to end at once."""
     for folder, temporary in tuple(_unfinished):
         with suppress(OSError):
-            os.unlink(temporary, dir_fd=folder)
+            folder.remove(temporary)
     for place in tuple(unfinished_folders) * _ATTEMPTS:
         shutil.rmtree(place, ignore_errors=True)
 
@@ -149,8 +141,7 @@ def _held(target: Path) -> Iterator[BinaryIO]:
 @contextmanager
 def _new_file(target: Path) -> Iterator[BinaryIO]:
     """Write a new file and rename it over the target."""
-    # The descriptor refers to the folder even if it is renamed in the meantime.
-    with opened(target.parent, _FOLDER) as folder:
+    with held(target.parent) as folder:
         temporary = f".liftmesh-{os.urandom(8).hex()}"
         _unfinished.add((folder, temporary))
         try:
@@ -165,60 +156,58 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
             _put_in_place(temporary, target, folder)
         except BaseException:
             with suppress(OSError):
-                os.unlink(temporary, dir_fd=folder)
+                folder.remove(temporary)
             raise
         finally:
             _unfinished.discard((folder, temporary))
 
 
 @contextmanager
-def _created(temporary: str, folder: int) -> Iterator[BinaryIO]:
+def _created(temporary: str, folder: Folder) -> Iterator[BinaryIO]:
     with ExitStack() as stack:
         new = _open_new(temporary, folder, stack)
         yield stack.enter_context(os.fdopen(new, "w+b", closefd=False))
 
 
-def _open_new(temporary: str, folder: int, stack: ExitStack) -> int:
+def _open_new(temporary: str, folder: Folder, stack: ExitStack) -> int:
     """Open a file without a name, or one of the temporary name where the system cannot."""
     # Mode 0o666 minus the process's umask, as open() does; tempfile would give 0o600.
-    if _NAMELESS and _OPEN_FILES.is_dir():
+    if NAMELESS and Path(OPEN_FILES).is_dir():
         try:
-            flags = _NAMELESS | os.O_RDWR
-            return stack.enter_context(opened(".", flags, 0o666, folder=folder))
+            flags = NAMELESS | os.O_RDWR
+            return stack.enter_context(opened(".", flags, 0o666, folder=folder.descriptor))
         except OSError as error:  # pragma: no cover - other file systems
             if error.errno not in _NOT_NAMELESS:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
-    return stack.enter_context(opened(temporary, flags, 0o666, folder=folder))
+    place = folder.place(temporary)
+    return stack.enter_context(opened(place, flags, 0o666, folder=folder.descriptor))
 
 
-def _check_place(target: Path, folder: int) -> None:
+def _check_place(target: Path, folder: Folder) -> None:
     """Raise if the folder was moved: the file would end up elsewhere."""
-    there = target.parent.is_dir() and os.path.samestat(target.parent.stat(), os.fstat(folder))
-    if not there:
+    if not folder.is_at(target.parent):
         reason = "cannot write here: the folder was moved or removed in the meantime"
         raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
 
 
-def _keep_permissions(name: str, folder: int, stream: BinaryIO) -> None:
+def _keep_permissions(name: str, folder: Folder, stream: BinaryIO) -> None:
     with suppress(FileNotFoundError):
-        before = os.stat(name, dir_fd=folder, follow_symlinks=False)
+        before = folder.status(name)
         if stat.S_ISREG(before.st_mode):
-            os.fchmod(stream.fileno(), stat.S_IMODE(before.st_mode))
+            set_mode(stream.fileno(), stat.S_IMODE(before.st_mode))
 
 
-def _give_name(stream: BinaryIO, temporary: str, folder: int) -> None:
+def _give_name(stream: BinaryIO, temporary: str, folder: Folder) -> None:
     """Give the file a name in the folder, if it has none."""
     if os.fstat(stream.fileno()).st_nlink == 0:
-        # Python follows the link to the file itself only if folder descriptors are given.
-        source = str(_OPEN_FILES / str(stream.fileno()))
-        os.link(source, temporary, src_dir_fd=folder, dst_dir_fd=folder, follow_symlinks=True)
+        folder.give_name(stream.fileno(), temporary)
 
 
-def _put_in_place(temporary: str, target: Path, folder: int) -> None:
+def _put_in_place(temporary: str, target: Path, folder: Folder) -> None:
     """Rename over the target; an error names the target, not the temporary file."""
     try:
-        os.replace(temporary, target.name, src_dir_fd=folder, dst_dir_fd=folder)
+        folder.replace(temporary, target.name)
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(target)) from error
 
@@ -227,12 +216,8 @@ def _put_in_place(temporary: str, target: Path, folder: int) -> None:
 def _in_use(folder: Path) -> Iterator[None]:
     """Mark a folder as in use; its mark has its name only once it is locked."""
     new = folder / f"{LOCK}-new"
-    with opened(new, os.O_RDWR | os.O_CREAT | os.O_EXCL) as lock:
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:  # without locks, abandoned folders stay
-            if error.errno not in _WITHOUT_LOCKS:
-                raise
+    with opened(new, os.O_RDWR | os.O_CREAT | os.O_EXCL) as mark:
+        lock(mark)  # without locks, abandoned folders stay
         new.rename(folder / LOCK)
         yield
 
@@ -247,6 +232,6 @@ def _remove_abandoned(place: Path, kind: str) -> None:
 
 def _remove_if_abandoned(folder: Path) -> None:
     # It may be locked, removed by another process, or another user's.
-    with suppress(OSError), opened(folder / LOCK, os.O_RDWR | os.O_NOFOLLOW) as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        shutil.rmtree(folder)
+    with suppress(OSError), opened(folder / LOCK, os.O_RDWR | REGULAR) as mark:
+        if lock(mark):
+            shutil.rmtree(folder)

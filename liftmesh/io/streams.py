@@ -19,6 +19,7 @@ from contextlib import contextmanager
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias, TypeVar, cast, overload
 
+from liftmesh.base.platform import OPEN_FILES
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.options import limit_of
 
@@ -152,7 +153,8 @@ def check_links(path: str | os.PathLike[str]) -> None:
 def add_name(error: OSError, name: str) -> None:
     """Name the file in an error of a stream, which knows no name, or only a temporary one."""
     known = error.filename
-    is_temporary = str(known).startswith((".liftmesh-", "/proc/self/fd/"))
+    is_temporary = os.path.basename(str(known)).startswith(".liftmesh-")  # noqa: PTH119
+    is_temporary |= str(known).startswith(OPEN_FILES)
     is_in_folder = known in {".", os.path.basename(name)}  # noqa: PTH119 - of a folder that is open
     if error.errno is not None and (not isinstance(known, str) or is_temporary or is_in_folder):
         error.filename = name

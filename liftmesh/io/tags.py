@@ -136,10 +136,10 @@ def _keys(lines: Rows) -> Integers:
 
 
 def _components(count: int, tails: Integers, heads: Integers) -> Integers:
-    graph = load("scipy.sparse").coo_array(
-        (np.ones(len(tails), np.bool_), (tails, heads)), shape=(count, count)
-    )
-    labels: Integers = load("scipy.sparse.csgraph").connected_components(graph, directed=False)[1]
+    sparse = load("scipy.sparse", extra="scipy")
+    graphs = load("scipy.sparse.csgraph", extra="scipy")
+    graph = sparse.coo_array((np.ones(len(tails), np.bool_), (tails, heads)), (count, count))
+    labels: Integers = graphs.connected_components(graph, directed=False)[1]
     return labels
 
 

@@ -11,6 +11,7 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from liftmesh.base.display import card_of
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.base.options import as_switch, counted
 from liftmesh.errors import FormatError
@@ -82,6 +83,7 @@ class WriteResult:
     dropped: tuple[str, ...] = ()
     renamed: tuple[tuple[str, str], ...] = ()
     scaling: tuple[float, float] | None = None
+    _repr_html_ = card_of
 
 
 def written_file(

@@ -169,9 +169,10 @@ class Page:
     def _repr_html_(self) -> str:
         """Show it in a notebook."""
         frame = 'style="width: 100%; height: 560px; border: 0"'
-        return (
-            f'<iframe {frame} sandbox="allow-scripts" srcdoc="{escape(self.to_html())}"></iframe>'
-        )
+        # What other programs put into pages of theirs they may indent, and widen its tabs: then
+        # the script is not the one that the page allows.
+        text = escape(self.to_html()).replace("\t", "&#9;").replace("\n", "&#10;")
+        return f'<iframe {frame} sandbox="allow-scripts" srcdoc="{text}"></iframe>'
 
     def _packed(self) -> tuple[str, str]:
         """The header, and the arrays that it names."""

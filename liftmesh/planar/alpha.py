@@ -9,7 +9,7 @@ radii are decided exactly and rounded up. So of one triangulation the complex fo
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -268,6 +268,18 @@ class AlphaShape(HullMesh):
         return Cloud(in_space(self.points[rows]), faces=place.take(faces, axis=0))
 
 
+class Simplicial(Protocol):
+    """What of a triangulation tells whether its circles or spheres are empty."""
+
+    simplices: Rows
+    neighbors: Rows
+    _has_empty_circles: bool
+
+    @property
+    def points(self) -> Floats:
+        """An attribute, or computed."""
+
+
 class AlphaMethods:
     """What triangulations in the plane and in space have of this, one line each."""
 
@@ -370,7 +382,7 @@ def radii_of(found: AlphaMethods, is_up: bool) -> Floats:
     return radii
 
 
-def _as_computed(found: AlphaMethods) -> tuple[Rows, Rows]:
+def _as_computed(found: Simplicial) -> tuple[Rows, Rows]:
     """Return simplices and neighbours, which callers of SciPy's class may have rewritten."""
     arrays: tuple[Rows, Rows] = getattr(found, "_exact", (found.simplices, found.neighbors))
     return arrays
@@ -380,7 +392,7 @@ def _arrays(found: AlphaMethods) -> tuple[Floats, Rows, Rows]:
     return in_space(found.points), *empty_circles(found, "alpha shapes need")
 
 
-def empty_circles(found: AlphaMethods, need: str) -> tuple[Rows, Rows]:
+def empty_circles(found: Simplicial, need: str) -> tuple[Rows, Rows]:
     """Return simplices and neighbours of a triangulation that is Delaunay by its points alone."""
     other = getattr(found, "metric", None) is not None or getattr(found, "furthest_site", False)
     if other or not found._has_empty_circles:  # noqa: SLF001 - of this class

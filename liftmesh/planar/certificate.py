@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.base.display import Plotted
 
 FORMAT = "liftmesh certificate"
 FORMAT_VERSION = 1
@@ -115,8 +116,8 @@ class Flaw:
     first: tuple[Violation, ...] = ()
 
 
-@dataclass(frozen=True, slots=True)
-class Certificate:
+@dataclass(frozen=True, slots=True, repr=False)
+class Certificate(Plotted):
     """Whether some triangles are a triangulation of some points: what `verify` has found.
 
     It is said of Delaunay triangulations, of constrained, regular, metric or farthest-point ones,
@@ -223,6 +224,9 @@ class Certificate:
     planar: bool | None = None
     delaunay: bool | None = None
     dimension: int = 2
+
+    def __repr__(self) -> str:
+        return f"<Certificate: {self}>"
 
     @property
     def valid(self) -> bool:

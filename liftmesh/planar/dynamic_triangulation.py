@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite, pair_keys
+from liftmesh.base.display import card_of
 from liftmesh.base.options import as_count, counted, refused
 from liftmesh.errors import CrossingError, InputError
 from liftmesh.planar.constrained import constrained_delaunay
@@ -99,6 +100,8 @@ class DynamicTriangulation:
     >>> tri.insert([[1, 1.5]]).tolist(), tri.constraints.tolist()
     ([4], [[0, 4], [3, 4]])
     """
+
+    _repr_html_ = card_of
 
     def __init__(self, points: ArrayLike | None = None, edges: ArrayLike | None = None) -> None:
         self._mesh = _kernel.DynamicMesh()

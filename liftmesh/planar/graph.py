@@ -7,24 +7,38 @@ with weights, and with rows at one position.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_numbers
 from liftmesh.base.options import Coincident, GraphKind, GraphWeights, check_option, refused
-from liftmesh.planar.alpha import empty_circles
+from liftmesh.optional import load
+from liftmesh.planar.alpha import Simplicial, empty_circles
 
 if TYPE_CHECKING:
-    from liftmesh.planar.triangulation import Triangulation
+    import scipy.sparse
+
+
+class Planar(Simplicial, Protocol):
+    """What of a triangulation in the plane is needed here."""
+
+    duplicates: Rows
+
+    @property
+    def npoints(self) -> int:
+        """Of all rows."""
+
+    @property
+    def edges(self) -> Rows:
+        """Of the triangles, as pairs of rows."""
 
 
 def graph(
-    found: Triangulation,
+    found: Planar,
     kind: GraphKind = "delaunay",
     weights: GraphWeights | Callable[[Floats], ArrayLike] = "length",
     *,
@@ -111,24 +125,26 @@ def graph(
         edges, values = _cliques(found, places, values)
     ends = np.concatenate([edges, edges[:, ::-1]]).T
     shape = found.npoints, found.npoints
-    return scipy.sparse.coo_array((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    matrix = load("scipy.sparse", extra="scipy").coo_array
+    made: scipy.sparse.csr_array = matrix((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    return made
 
 
-def _edges(found: Triangulation, kind: GraphKind) -> Rows:
+def _edges(found: Planar, kind: GraphKind) -> Rows:
     if kind == "delaunay":
         return found.edges
     arrays = empty_circles(found, "graphs of near rows need")
     return _kernel.proximity_graph(found.points, *arrays, kind)
 
 
-def _loops(found: Triangulation, edges: Rows) -> Rows:
+def _loops(found: Planar, edges: Rows) -> Rows:
     """Add an edge to itself at each position of several rows."""
     kept = np.unique(found.duplicates[:, 1])
     return np.concatenate([edges, np.stack([kept, kept], axis=1)])
 
 
 def _values(
-    found: Triangulation, edges: Rows, weights: GraphWeights | Callable[[Floats], ArrayLike]
+    found: Planar, edges: Rows, weights: GraphWeights | Callable[[Floats], ArrayLike]
 ) -> Floats:
     if not callable(weights):
         check_option("weights", weights, GraphWeights)
@@ -145,7 +161,7 @@ def _values(
     return values
 
 
-def _cliques(found: Triangulation, edges: Rows, values: Floats) -> tuple[Rows, Floats]:
+def _cliques(found: Planar, edges: Rows, values: Floats) -> tuple[Rows, Floats]:
     """Join all rows at one end of an edge with all at the other, and of a loop with each other."""
     kept = np.arange(found.npoints)
     kept[found.duplicates[:, 0]] = found.duplicates[:, 1]

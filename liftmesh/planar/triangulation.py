@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import Coincident, GraphKind, GraphWeights, NonFinite, as_threads
 from liftmesh.errors import InputError
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
 
 
-class Triangulation(AlphaMethods):
+class Triangulation(AlphaMethods, Plotted):
     """A Delaunay triangulation of planar points, as returned by `delaunay`.
 
     Every index is a row of the caller's array. Attributes that cost memory are computed on first
@@ -420,32 +421,13 @@ class Triangulation(AlphaMethods):
     def verify(
         self, *, threads: int | None = None, progress: Progress | None = None
     ) -> Certificate:
-        """Verify the triangles from scratch, as `liftmesh.verify` does for any triangulation.
+        """Verify the triangles from scratch: the Certificate is true if they are what they say.
+
+        In full: `liftmesh.verify`.
 
         Parameters
         ----------
         threads, progress : as for `delaunay`
-
-        Returns
-        -------
-        Certificate
-            True if they are Delaunay, or whatever member of the family this is.
-
-        Raises
-        ------
-        InputError
-            `threads` is not a valid number, or `progress` cannot be called.
-
-        See Also
-        --------
-        verify : The check of triangles from any source.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> certificate = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]]).verify()
-        >>> certificate.valid, certificate.canonical
-        (True, True)
         """
         from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 

@@ -10,15 +10,16 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import refused
 from liftmesh.crs.description import parse_crs
+from liftmesh.crs.units import planar_unit
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
 
 INK, LINE, ACCENT = "#1b2327", "#5a4632", "#c0392b"
-_TERRAIN = ("#1d4e58", "#2f7262", "#5c9160", "#99a962", "#cdbb79", "#e3cfa3", "#f1e6d3", "#ffffff")
+TERRAIN = ("#1d4e58", "#2f7262", "#5c9160", "#99a962", "#cdbb79", "#e3cfa3", "#f1e6d3", "#ffffff")
 _SHADE = 0.5  # what is left in full shadow
 
 
@@ -39,7 +40,7 @@ def colormap(name: str | None) -> Any:
     """Return a map of colours; by default one of terrain, whose lightness ascends."""
     if name is None:
         colors = load("matplotlib.colors", extra="plot")
-        return colors.LinearSegmentedColormap.from_list("liftmesh terrain", _TERRAIN)
+        return colors.LinearSegmentedColormap.from_list("liftmesh terrain", TERRAIN)
     known = load("matplotlib", extra="plot").colormaps
     if name not in known:
         raise refused("cmap", name, "give a name of matplotlib.colormaps, such as 'viridis'")
@@ -52,15 +53,14 @@ def planar(ax: Axes, bounds: Sequence[float], crs: str | None) -> Axes:
     ax.set_aspect("equal")
     ax.set_xlim(left, right)
     ax.set_ylim(low, high)
-    system = None if crs is None else parse_crs(crs)
-    unit = None if system is None or system.units[0] is None else system.units[0].name
+    unit = planar_unit(crs)
     ax.set_xlabel(f"x ({unit})" if unit else "x")
     ax.set_ylabel(f"y ({unit})" if unit else "y")
     ax.ticklabel_format(style="plain", useOffset=False)
     ax.locator_params(axis="x", nbins=5)
     if not is_geographic(crs):
         _scale_bar(ax, right - left, unit)
-        if system is not None:
+        if unit:
             _north(ax)
     return ax
 
@@ -109,12 +109,21 @@ def relief(heights: Array, shades: Array | None, colors: Any) -> tuple[Array, An
     return pixels, load("matplotlib.cm", extra="plot").ScalarMappable(scale, colors)
 
 
-def lines(ax: Axes, parts: Sequence[Floats], **style: Any) -> None:
-    """Draw polylines."""
-    collections = load("matplotlib.collections", extra="plot")
-    ax.add_collection(collections.LineCollection([*parts], **style))
+def lines(
+    ax: Axes, points: Floats, starts: Array, style: Mapping[str, Any] | None = None, **usual: Any
+) -> None:
+    """Draw polylines that lie one after the other: as one line with gaps, since many are slow."""
+    gaps = np.asarray(starts)[1:-1]
+    x, y = np.insert(points[:, :2].astype(float), gaps, np.nan, axis=0).T
+    ax.plot(x, y, **styled(style, **usual))
 
 
-def cut(points: Floats, starts: Array) -> list[Floats]:
-    """Return the parts of rows that lie one after the other."""
-    return np.split(points, np.asarray(starts)[1:-1])
+def styled(style: Mapping[str, Any] | None, **usual: Any) -> dict[str, Any]:
+    """Return what callers want, whichever names of matplotlib they use, and the usual otherwise."""
+    kind = load("matplotlib.lines", extra="plot").Line2D
+    return {**usual, **load("matplotlib.cbook", extra="plot").normalize_kwargs(style, kind)}
+
+
+def segments(ax: Axes, ends: Floats, style: Mapping[str, Any] | None = None, **usual: Any) -> None:
+    """Draw lines between two points each, (n, 2, 2)."""
+    lines(ax, ends.reshape(-1, 2), np.arange(0, 2 * len(ends) + 1, 2), style, **usual)

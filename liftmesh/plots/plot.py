@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from functools import singledispatch
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import edges_of_faces, planar_bounds
+from liftmesh.base.arrays import edges_of_faces, planar_bounds, used_rows
 from liftmesh.cells.clipped import ClippedCells
+from liftmesh.cells.domain import following_corners
+from liftmesh.cells.voronoi import Unclipped
 from liftmesh.crs.units import DEGREE
 from liftmesh.errors import InputError, Option
 from liftmesh.io.registry import as_cloud
@@ -21,25 +24,36 @@ from liftmesh.plots.drawing import (
     INK,
     LINE,
     colormap,
-    cut,
     is_geographic,
     lines,
     new_axes,
     nice,
     planar,
     relief,
+    segments,
+    styled,
 )
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.contours import Contours
 from liftmesh.terrain.profile import Profile
 from liftmesh.terrain.surface import Surface
-from liftmesh.tiles.tiled_data import TiledSurfaceData
+from liftmesh.tiles.options import node_of
+from liftmesh.tiles.tiled_data import (
+    TiledData,
+    TiledSurfaceData,
+    cuts_of,
+    shard_faces,
+    shard_vertices,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from matplotlib.axes import Axes
 
 PIXELS = 1200  # of the longer side of a surface
 _LEVELS = 12  # contours, about so many
+_MOST_SEAMS = 1_000_000  # triangles across cuts that are drawn
 
 
 def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
@@ -53,14 +67,16 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
     Parameters
     ----------
     result : Surface, TiledSurface, Raster, Contours, Profile, Triangulation, Cells or Certificate
-        What is drawn; clouds are drawn as points, coloured by height.
+        What is drawn; also the `Cells.unclipped`, and a `Tiled` by the cuts between its tiles.
+        Clouds are drawn as points, coloured by height.
     ax : matplotlib.axes.Axes, optional
         Where; by default the axes of a new figure, which no window shows: ``ax.figure.savefig``.
     **style
         Of surfaces and rasters ``cmap`` (the name of a colour map) and ``colorbar`` (default True);
         of surfaces ``contours`` (an interval, False, or True, the default: a round one), ``edges``
-        (default False) and ``values`` (a name, in place of heights); of all others keywords of
-        matplotlib's lines.
+        (default False) and ``values`` (a name, in place of heights); of surfaces in tiles ``tiles``
+        (default True: the cuts, and the triangles across them); of all others keywords of
+        matplotlib's lines, as ``color`` and ``linewidth``.
 
     Returns
     -------
@@ -108,9 +124,43 @@ def _(result: Surface, ax: Axes | None, **style: Any) -> Axes:
     return _surface(result, result.bounds, ax, **style)
 
 
+@_plot.register(TiledData)
+def _(result: TiledData, ax: Axes | None, **style: Any) -> Axes:
+    cuts, bounds = cuts_of(result)
+    if not len(cuts):
+        raise InputError("there is one tile, and no coordinates of its triangles to plot")
+    return planar(_cuts(cuts, new_axes(ax), **style), bounds, None)
+
+
 @_plot.register(TiledSurfaceData)
-def _(result: TiledSurfaceData, ax: Axes | None, **style: Any) -> Axes:
-    return _surface(result, result.bounds, ax, **style)
+def _(result: TiledSurfaceData, ax: Axes | None, *, tiles: bool = True, **style: Any) -> Axes:
+    ax = _surface(result, result.bounds, ax, **style)
+    if tiles:
+        for ends in _seams(result):
+            segments(ax, ends, color=ACCENT, linewidth=0.4, alpha=0.7)
+        _cuts(cuts_of(result)[0], ax)
+    return ax
+
+
+def _seams(tiled: TiledSurfaceData) -> Iterator[Floats]:
+    """Yield the sides of the triangles that cross cuts, shard by shard, as far as they are few."""
+    left = _MOST_SEAMS
+    for shard in tiled.manifest["shards"]:
+        if shard["triangles"] and node_of(Path(shard["file"]).stem) >= 0:
+            left -= shard["triangles"]
+            if left >= 0:
+                vertices, faces = shard_vertices(tiled, shard), shard_faces(tiled, shard)
+                places = np.column_stack([vertices["x"], vertices["y"]])
+                yield places[edges_of_faces(np.asarray(faces))]
+
+
+def _cuts(cuts: Floats, ax: Axes, **style: Any) -> Axes:
+    """Draw the cuts between tiles, the first ones thick: what is merged last."""
+    for level in range(len(cuts).bit_length()):
+        width = max(0.6, 2.4 - 0.5 * level)
+        part = cuts[2**level - 1 : 2 ** (level + 1) - 1]
+        segments(ax, part, style, color=ACCENT, linewidth=width)
+    return ax
 
 
 def _surface(
@@ -182,12 +232,10 @@ def _(result: Contours, ax: Axes | None, **style: Any) -> Axes:
 
 
 def _contours(contours: Contours, ax: Axes, **style: Any) -> Axes:
-    parts = cut(contours.points, contours.starts) if len(contours) else []
     for is_index, width in ((False, 0.4), (True, 0.9)):
-        chosen = [
-            part for part, index in zip(parts, contours.is_index, strict=True) if index == is_index
-        ]
-        lines(ax, chosen, **{"colors": LINE, "linewidths": width, "alpha": 0.8, **style})
+        which = np.flatnonzero(contours.is_index == is_index)
+        chosen = contours._selected(which)  # noqa: SLF001 - which a mask does not
+        lines(ax, chosen.points, chosen.starts, style, color=LINE, linewidth=width, alpha=0.8)
     return ax
 
 
@@ -195,8 +243,9 @@ def _contours(contours: Contours, ax: Axes, **style: Any) -> Axes:
 def _(result: Profile, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
     pairs = np.column_stack([result.distances, result.points[:, 2]])
-    for number, part in enumerate(cut(pairs, result.starts)):
-        ax.plot(*part.T, **{"color": f"C{result.lines[number] % 10}", "lw": 1.2, **style})
+    for number, part in enumerate(np.split(pairs, result.starts[1:-1])):
+        color = f"C{result.lines[number] % 10}"
+        ax.plot(*part.T, **styled(style, color=color, linewidth=1.2))
     ax.set_xlabel("distance" if result.stations is None else "offset")
     ax.set_ylabel("height")
     ax.grid(alpha=0.3)
@@ -208,23 +257,48 @@ def _(result: Triangulation, ax: Axes | None, **style: Any) -> Axes:
     ax = _sides(result.points, result.simplices, new_axes(ax), **style)
     forced = getattr(result, "constraints", None)
     if forced is not None and len(forced):
-        lines(ax, result.points[forced], colors=ACCENT, linewidths=1.2)
-    return planar(ax, _wide(planar_bounds(result.points[np.unique(result.simplices)])), None)
+        segments(ax, result.points[forced], color=ACCENT, linewidth=1.2)
+    used = used_rows(result.npoints, result.simplices)
+    return planar(ax, _wide(planar_bounds(result.points[used])), None)
 
 
 def _sides(points: Floats, faces: Rows, ax: Axes, **style: Any) -> Axes:
-    sides = [*points[edges_of_faces(faces)]]
-    lines(ax, sides, **{"colors": INK, "linewidths": 0.4, "alpha": 0.7, **style})
+    segments(ax, points[edges_of_faces(faces)], style, color=INK, linewidth=0.4, alpha=0.7)
     return ax
 
 
 @_plot.register(ClippedCells)
 def _(result: ClippedCells, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
-    rings = [np.vstack([ring, ring[:1]]) for ring in cut(result.corners, result.ring_corners)]
-    lines(ax, rings, **{"colors": INK, "linewidths": 0.7, **style})
-    ax.plot(*result.points.T, ".", color=ACCENT, markersize=4)
-    return planar(ax, _wide(result.domain.bounds), result.crs)
+    starts = result.ring_corners
+    ends = np.stack([result.corners, result.corners[following_corners(starts)]], axis=1)
+    segments(ax, ends, style, color=INK, linewidth=0.7)
+    return planar(_sites(result.points, ax), _wide(result.domain.bounds), result.crs)
+
+
+@_plot.register(Unclipped)
+def _(result: Unclipped, ax: Axes | None, **style: Any) -> Axes:
+    """Draw rays, and lines, as far as they are seen."""
+    ax = new_axes(ax)
+    bounds = _wide(planar_bounds(result.points), 0.15)
+    ridges, ways = result.rays
+    last = result.ridge_ends[ridges, 1]
+    middles = result.points[result.ridge_points[ridges]].mean(axis=1)
+    ways = ways * (np.hypot(*np.subtract(bounds[2:], bounds[:2])) / np.hypot(*ways.T)[:, None])
+    is_line = (last < 0)[:, None]
+    begins = middles if not len(result.vertices) else result.vertices[last]
+    rays = np.stack(
+        [np.where(is_line, middles - ways, begins), np.where(is_line, middles, begins) + ways], 1
+    )
+    is_finite = result.ridge_ends[:, 0] >= 0
+    ends = np.concatenate([result.vertices[result.ridge_ends[is_finite]], rays])
+    segments(ax, ends, style, color=INK, linewidth=0.7)
+    return planar(_sites(result.points, ax), bounds, None)
+
+
+def _sites(points: Floats, ax: Axes) -> Axes:
+    ax.plot(*points.T, ".", color=ACCENT, markersize=min(4, 400 / len(points) ** 0.5))
+    return ax
 
 
 @_plot.register(Certificate)
@@ -233,9 +307,8 @@ def _(result: Certificate, ax: Axes | None, **style: Any) -> Axes:
     for number, flaw in enumerate(result.flaws):
         places = np.array([point[:2] for each in flaw.first for point in each.points])
         name = f"{flaw.count:,} {flaw.kind}"
-        ax.plot(
-            *places.reshape(-1, 2).T, "o", **{"color": f"C{number % 10}", "label": name, **style}
-        )
+        usual = {"color": f"C{number % 10}", "label": name, "marker": "o", "linestyle": ""}
+        ax.plot(*places.reshape(-1, 2).T, **styled(style, **usual))
     ax.set_title("; ".join(flaw.text for flaw in result.flaws) or "nothing wrong", wrap=True)
     if result.flaws:
         ax.legend()
@@ -245,10 +318,10 @@ def _(result: Certificate, ax: Axes | None, **style: Any) -> Axes:
     return ax
 
 
-def _wide(bounds: Any) -> tuple[float, float, float, float]:
+def _wide(bounds: Any, share: float = 0.03) -> tuple[float, float, float, float]:
     """Leave a margin around what is drawn up to its border."""
     left, low, right, high = (float(each) for each in bounds)
-    margin = 0.03 * max(right - left, high - low) or 1.0
+    margin = share * max(right - left, high - low) or 1.0
     return left - margin, low - margin, right + margin, high + margin
 
 

@@ -12,15 +12,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-import networkx as nx
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.options import Coincident, GraphKind, GraphWeights
+from liftmesh.optional import load
 from liftmesh.planar.graph import graph
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     from liftmesh.planar.triangulation import Triangulation
+else:
+    nx = load("networkx", extra="trimesh")
 
 
 def to_networkx(

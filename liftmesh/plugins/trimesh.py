@@ -33,8 +33,8 @@ if TYPE_CHECKING:
     from trimesh import creation
     from trimesh.exchange import load as loading
 else:
-    creation = load("trimesh.creation")
-    loading = load("trimesh.exchange.load")
+    creation = load("trimesh.creation", extra="trimesh")
+    loading = load("trimesh.exchange.load", extra="trimesh")
 
 SUFFIXES = ("las", "laz", "npz", "xyz", "ply")
 

@@ -25,7 +25,7 @@ from liftmesh.optional import load
 if TYPE_CHECKING:
     from scipy import spatial
 else:
-    spatial = load("scipy.spatial")
+    spatial = load("scipy.spatial", extra="scipy")
 
 
 class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]

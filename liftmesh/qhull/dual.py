@@ -66,7 +66,8 @@ def _on_one_sphere(tetra: Tetrahedralization) -> Rows:
     tied = np.zeros(len(cell), np.bool_)
     for part in pieces(len(cell)):
         tied[part] = insphere(*points[five[:, part]]) == 0
-    sparse, graphs = load("scipy.sparse"), load("scipy.sparse.csgraph")
+    sparse = load("scipy.sparse", extra="scipy")
+    graphs = load("scipy.sparse.csgraph", extra="scipy")
     ends = cell[tied], beyond[tied]
     graph = sparse.coo_array((np.ones(len(ends[0]), np.bool_), ends), [len(simplices)] * 2)
     _, group = graphs.connected_components(graph, directed=False)

@@ -21,7 +21,7 @@ from liftmesh.space.tetrahedra import tetrahedralize
 if TYPE_CHECKING:
     from scipy import spatial
 else:
-    spatial = load("scipy.spatial")
+    spatial = load("scipy.spatial", extra="scipy")
 
 
 class SpaceVoronoi(Lists, spatial.Voronoi):  # type: ignore[misc]

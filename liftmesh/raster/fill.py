@@ -13,11 +13,11 @@ pixels, and does not say which of several.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.arrays import as_decimal
 from liftmesh.base.options import as_positive
 from liftmesh.errors import InputError
@@ -76,7 +76,7 @@ def filled_block(values: Array, reach: Reach) -> Array:
     if has_value.all() or not has_value.any():
         return found
     gap, near = _in_columns(values, has_value)
-    rows, columns = np.nonzero(~has_value & _may_be_filled(has_value, reach))
+    rows, columns = np.nonzero(~has_value & _may_be_filled(gap, reach))
     square, best = gap[rows, columns] * reach.down, near[rows, columns]
     best[square > reach.most] = np.nan
     square[square > reach.most] = np.inf
@@ -110,12 +110,10 @@ def _in_columns(values: Array, has_value: Array) -> tuple[Floats, Array]:
     return np.minimum(up, down).astype(np.float64) ** 2, near
 
 
-def _may_be_filled(has_value: Array, reach: Reach) -> Any:
+def _may_be_filled(gap: Floats, reach: Reach) -> Mask:
     """Tell which pixels have one with a value in the rectangle around them."""
-    from scipy.ndimage import maximum_filter1d  # noqa: PLC0415 - a large library
-
-    near = has_value.view(np.uint8)
-    for axis, margin in enumerate((reach.rows, reach.columns)):
-        size = 2 * min(margin, has_value.shape[axis]) + 1
-        near = maximum_filter1d(near, size, axis=axis, mode="constant")
-    return near > 0
+    columns = gap.shape[1]
+    margin = min(reach.columns, columns)
+    near = np.pad(gap <= reach.rows**2, ((0, 0), (margin + 1, margin)))
+    count = np.cumsum(near, axis=1, dtype=np.int32)
+    return count[:, -columns:] > count[:, :columns]

@@ -17,6 +17,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_floats, unmasked, widened
 from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import Voids, as_switch, counted, refused
 from liftmesh.crs.comparison import plane_of
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Raster(FrozenResult):
+class Raster(FrozenResult, Plotted):
     """Values of a surface at the centres of pixels, as `Surface.raster` returns them; read-only.
 
     Parameters
@@ -78,7 +79,8 @@ class Raster(FrozenResult):
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape
-        return f"<Raster of {columns:,} x {rows:,} pixels: {self.quantity}>"
+        unit = f" in {self.unit}" if self.unit else ""
+        return f"<Raster of {columns:,} x {rows:,} pixels: {self.quantity}{unit}>"
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

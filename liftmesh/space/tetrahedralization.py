@@ -239,7 +239,7 @@ class Tetrahedralization(FrozenResult, AlphaMethods):
         >>> tetra.to_pyvista().n_cells if find_spec("pyvista") else 1
         1
         """
-        made = load("pyvista")
+        made = load("pyvista", extra="pyvista")
         grid: pyvista.UnstructuredGrid = made.UnstructuredGrid(
             {made.CellType.TETRA: self.simplices.astype(np.int64)}, self.points.copy()
         )

@@ -23,6 +23,7 @@ from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import is_after, pair_keys, starts_of_runs
 from liftmesh.base.options import Crossing, exhausted, part_of
 from liftmesh.errors import CrossingError, InputError, Option
+from liftmesh.optional import load
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
     ConstrainedTriangulation,
@@ -366,10 +367,9 @@ def check_flag(attributes: Mapping[str, Array], flag: str) -> None:
 
 def nearest_rows(points: Floats, places: Floats) -> Integers:
     """Return the nearest of some points to each place."""
-    from scipy.spatial import KDTree  # noqa: PLC0415 - slow to import
-
+    tree = load("scipy.spatial", extra="scipy").KDTree
     finite = np.flatnonzero(np.isfinite(points).all(axis=1))
-    nearest: Integers = finite[KDTree(points[finite]).query(places)[1]]
+    nearest: Integers = finite[tree(points[finite]).query(places)[1]]
     return nearest
 
 

@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import (
     as_count,
@@ -31,12 +32,14 @@ from liftmesh.base.options import (
     refused,
     shown,
 )
+from liftmesh.crs.units import stated_unit
 from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.streams import at_home
 from liftmesh.terrain.crossings import LevelLines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.values import Values, over_known
-from liftmesh.vector.files import check_written, write_lines
+from liftmesh.vector.files import check_written, line_shapes, write_lines
+from liftmesh.vector.geopackage import frame_of_shapes
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -80,7 +83,7 @@ class Contour:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Contours(FrozenResult):
+class Contours(FrozenResult, Plotted):
     """Contours of a surface, as `Surface.contours` returns them: a sequence of lines; read-only.
 
     A slice of them is `Contours`, too.
@@ -126,7 +129,7 @@ class Contours(FrozenResult):
 
     def __repr__(self) -> str:
         levels = counted(len(np.unique(self.levels)), "level")
-        return f"<Contours: {counted(len(self), 'line')} at {levels}>"
+        return f"<Contours: {counted(len(self), 'line')} at {levels}{stated_unit(self.crs)}>"
 
     def __len__(self) -> int:
         return len(self.levels)
@@ -246,8 +249,40 @@ class Contours(FrozenResult):
         """
         target = Path(at_home(path))
         check_written(target, "contours", may_be_drawing=True)
-        columns = {"height": self.levels, "index": self.is_index, "closed": self.closed}
-        return write_lines(target, self.points, self.starts, columns, self.crs, "contours")
+        return write_lines(target, self.points, self.starts, self._columns(), self.crs, "contours")
+
+    def _columns(self) -> dict[str, Array]:
+        return {"height": self.levels, "index": self.is_index, "closed": self.closed}
+
+    def to_geodataframe(self) -> Any:
+        """Convert the lines to a table of geopandas, a row each.
+
+        Returns
+        -------
+        geopandas.GeoDataFrame
+            With the columns ``height``, ``index``, ``closed`` and ``geometry``, and the coordinate
+            system.
+
+        Raises
+        ------
+        InputError
+            The coordinate system is unknown.
+        MissingDependencyError
+            geopandas is not installed: ``pip install 'liftmesh[shapes]'``.
+
+        See Also
+        --------
+        Contours.save : The same in a file.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 8]])
+        >>> hill.contours(interval=4).to_geodataframe().geometry.length.tolist()
+        [2.0]
+        """
+        shapes = line_shapes(self.points, self.starts)
+        return frame_of_shapes(shapes, self._columns(), self.crs)
 
 
 def length_of(length: Any) -> float:

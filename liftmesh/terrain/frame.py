@@ -45,7 +45,7 @@ _REMEDY = (
 )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Frame(FrozenResult):
     """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
@@ -75,6 +75,10 @@ class Frame(FrozenResult):
     name: str
     origin: Floats
     axes: Floats
+
+    def __repr__(self) -> str:
+        origin, normal = (", ".join(f"{x:g}" for x in each) for each in (self.origin, self.normal))
+        return f"<Frame: {self.name}, normal ({normal}) at ({origin})>"
 
     @property
     def normal(self) -> Floats:

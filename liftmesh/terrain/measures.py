@@ -25,6 +25,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.display import card_of
 from liftmesh.base.options import as_number, as_switch
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
@@ -92,6 +93,7 @@ class VolumeResult:
     area: float
     level: float
     cubic_metres: float | None = None
+    _repr_html_ = card_of
 
     @property
     def net(self) -> float:
@@ -133,6 +135,7 @@ class CutFillResult:
     fill: float
     area: float
     cubic_metres: float | None = None
+    _repr_html_ = card_of
 
     @property
     def net(self) -> float:

@@ -26,11 +26,14 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import as_decimal, as_pairs, ends_of, is_after, starts_of_runs
 from liftmesh.base.cloud import Cloud
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_positive, as_thousands, refused, shown
+from liftmesh.crs.units import stated_unit
 from liftmesh.errors import InputError
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, write
+from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, places_on, plane_system
@@ -47,7 +50,7 @@ Met: TypeAlias = tuple[Floats, Floats, Rows]  # x, y, height; kinds; pieces
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Profile(FrozenResult):
+class Profile(FrozenResult, Plotted):
     """Lines draped over a surface, as `Surface.profile` returns them; read-only.
 
     Parameters
@@ -89,7 +92,8 @@ class Profile(FrozenResult):
     stations: Floats | None = None
 
     def __repr__(self) -> str:
-        return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
+        parts = f"{len(self.starts) - 1:,} parts{stated_unit(self.crs)}"
+        return f"<Profile: {len(self.points):,} points in {parts}>"
 
     @property
     def lengths(self) -> Floats:
@@ -125,6 +129,34 @@ class Profile(FrozenResult):
         values = {"offset" if are_across else "distance": self.distances}
         values |= {name: np.repeat(each, counts) for name, each in of_parts.items()}
         return Cloud(self.points, attributes=values, crs=self.crs)
+
+    def to_dataframe(self) -> Any:
+        """Convert the profile to a table of pandas, a row for each point.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``x``, ``y`` and ``z``, and the values of `to_cloud`.
+
+        Raises
+        ------
+        MissingDependencyError
+            pandas is not installed: ``pip install 'liftmesh[shapes]'``.
+
+        See Also
+        --------
+        to_cloud, save
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+        >>> slope.profile([[0, 1], [2, 1]]).to_dataframe()[["distance", "z"]].values.tolist()
+        [[0.0, 0.0], [2.0, 4.0]]
+        """
+        x, y, z = self.points.T
+        columns = {"x": x, "y": y, "z": z, **self.to_cloud().attributes}
+        return load("pandas", extra="shapes").DataFrame(columns)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
         """Write the parts as lines in space, or their points.

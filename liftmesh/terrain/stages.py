@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
@@ -25,7 +25,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
 from liftmesh.base.arrays import as_numbers
-from liftmesh.base.options import as_switch, refused, shown
+from liftmesh.base.display import card_of
+from liftmesh.base.options import as_switch, counted, refused, shown
 from liftmesh.errors import InputError, Option
 from liftmesh.terrain.contours import wanted_levels
 from liftmesh.terrain.measures import (
@@ -46,7 +47,7 @@ _VOLUMES = "give volumes of zero or more"
 Under: TypeAlias = tuple[Fraction, Fraction]  # area and volume of faces that are below as a whole
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
 class StageStorage:
     """Areas and volumes at several levels, as `Surface.stage_storage` returns them.
 
@@ -82,7 +83,12 @@ class StageStorage:
     volumes: Floats
     above: bool
     cubic_metres: float | None
-    _faces: _Faces = field(repr=False)
+    _faces: _Faces
+    _repr_html_ = card_of
+
+    def __repr__(self) -> str:
+        side = "above" if self.above else "below"
+        return f"<StageStorage: areas and volumes {side} {counted(len(self.levels), 'level')}>"
 
     def level_of(self, volumes: ArrayLike) -> Floats:
         """Compute the levels of volumes, also of such as are at none of the levels.

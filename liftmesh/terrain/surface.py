@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 import liftmesh
 from liftmesh._typing import Floats, Progress, Rows
+from liftmesh.base.display import Plotted
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
@@ -31,7 +32,7 @@ from liftmesh.terrain import (
     sampling,
     stages,
 )
-from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
+from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces, unit_names
 
 if TYPE_CHECKING:
     import os
@@ -62,7 +63,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Surface(SurfaceData):
+class Surface(SurfaceData, Plotted):
     """A triangulated cloud: one height at each position of a plane. Its arrays are read-only.
 
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
@@ -70,7 +71,9 @@ class Surface(SurfaceData):
 
     def __repr__(self) -> str:
         triangles = counted(len(self.faces), "triangle")
-        return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
+        units = zip(("x and y", "heights"), unit_names(self), strict=True)
+        said = "".join(f", {what} in {unit}" for what, unit in units if unit)
+        return f"<Surface of {triangles} over {len(self.vertices):,} vertices{said}>"
 
     def _refined(self, refine: Callable[[Any], RefineResult]) -> RefineResult:
         """Refine the faces, for `liftmesh.refine`."""
@@ -133,9 +136,8 @@ class Surface(SurfaceData):
     def with_attributes(
         self, attributes: Mapping[str, ArrayLike] | None = None, /, **named: ArrayLike
     ) -> Surface:
-        """Make a copy with further named values, or with others of the same names.
+        """Make a copy with further named values, or with others of the same names, as `replace`.
 
-        Returns a Surface, as `replace`.
         In full: `liftmesh.terrain.changes.with_attributes`.
 
         Parameters
@@ -214,9 +216,8 @@ class Surface(SurfaceData):
         extrapolate: Extrapolation | None = None,
         threads: int | None = None,
     ) -> Floats:
-        """Compute how high the points of a cloud are above the faces.
+        """Compute how high the points of a cloud are above the faces: NaN where there is none.
 
-        Returns (n,) float64: negative below, NaN where there is no face.
         In full: `liftmesh.terrain.sampling.heights_above`.
 
         Parameters
@@ -247,9 +248,8 @@ class Surface(SurfaceData):
         return accuracy.accuracy_of(self, checkpoints, **ways)
 
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
-        """Compute the gradient of the face at points of the plane.
+        """Compute the gradient of the face at points: (..., 2), NaN where no face is.
 
-        Returns (..., 2) float64: dz/dx and dz/dy, NaN where no face contains the point.
         In full: `liftmesh.terrain.sampling.gradients_at`.
 
         Parameters
@@ -261,9 +261,8 @@ class Surface(SurfaceData):
     def slope(
         self, points: ArrayLike, *, z_factor: float | None = None, threads: int | None = None
     ) -> Floats:
-        """Compute how steep the face is at points of the plane.
+        """Compute how steep the face is at points, in degrees: (...), NaN where no face is.
 
-        Returns (...) float64: degrees from the plane, NaN where no face contains the point.
         In full: `liftmesh.terrain.sampling.slopes_at`.
 
         Parameters
@@ -273,9 +272,8 @@ class Surface(SurfaceData):
         return sampling.slopes_at(self, points, z_factor=z_factor, threads=threads)
 
     def aspect(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
-        """Compute which way the face descends at points of the plane.
+        """Compute which way the face descends, in degrees clockwise from y: NaN if it is level.
 
-        Returns (...) float64: degrees clockwise from y (north), NaN on level faces and outside.
         In full: `liftmesh.terrain.sampling.aspects_at`.
 
         Parameters
@@ -285,9 +283,8 @@ class Surface(SurfaceData):
         return sampling.aspects_at(self, points, threads=threads)
 
     def profile(self, line: ArrayLike, *, values: Values | None = None) -> Profile:
-        """Drape a line over the faces.
+        """Drape a line over the faces: a Profile, in parts where there are faces.
 
-        Returns a Profile: points and distances along the line, in parts where there are faces.
         In full: `liftmesh.terrain.profile.profile_along`.
 
         Parameters
@@ -342,9 +339,8 @@ class Surface(SurfaceData):
         smooth: float | None = None,
         threads: int | None = None,
     ) -> Contours:
-        """Compute lines of equal height.
+        """Compute lines of equal height: Contours, by ascending level, what is above on their left.
 
-        Returns Contours: lines by ascending level, what is above on their left.
         In full: `liftmesh.terrain.contours.contour_lines`.
 
         Parameters
@@ -385,9 +381,8 @@ class Surface(SurfaceData):
         return filled.filled_contours(self, levels, values=values, progress=progress, **ways)
 
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
-        """Compute the area of the faces.
+        """Compute the area of the faces, in square units of x.
 
-        Returns a float, in square units of x.
         In full: `liftmesh.terrain.measures.area_of`.
 
         Parameters
@@ -397,9 +392,8 @@ class Surface(SurfaceData):
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
     def volume(self, level: float = 0.0, *, within: object = None) -> VolumeResult:
-        """Compute the volumes between the faces and a level.
+        """Compute the volumes between the faces and a level: what is above, and what is below.
 
-        Returns a VolumeResult: what is above the level, and what is below.
         In full: `liftmesh.terrain.measures.volume_of`.
 
         Parameters
@@ -429,9 +423,8 @@ class Surface(SurfaceData):
         interval: float | None = None,
         above: bool = False,
     ) -> StageStorage:
-        """Compute the areas and volumes below many levels: the stage-area-storage table.
+        """Compute the areas and volumes below many levels: a StageStorage, by ascending level.
 
-        Returns a StageStorage: by ascending level; its `level_of` is the inverse.
         In full: `liftmesh.terrain.stages.stage_storage`.
 
         Parameters
@@ -441,9 +434,8 @@ class Surface(SurfaceData):
         return stages.stage_storage(self, levels, interval=interval, above=above)
 
     def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
-        """Compute the volumes between this surface and another one.
+        """Compute the volumes to be cut and filled, where this surface and another have faces.
 
-        Returns a CutFillResult: what is to be cut, and to be filled, where both have faces.
         In full: `liftmesh.terrain.measures.cut_and_fill`.
 
         Parameters
@@ -477,9 +469,8 @@ class Surface(SurfaceData):
         base_mm: float | None = None,
         thickness_mm: float | None = None,
     ) -> Cloud:
-        """Close the faces by walls and a base.
+        """Close the faces by walls and a base: a Cloud, its faces counter-clockwise from outside.
 
-        Returns a Cloud: a closed mesh, its faces counter-clockwise from outside.
         In full: `liftmesh.terrain.boundary.closed_solid`.
 
         Parameters
@@ -532,9 +523,8 @@ class Surface(SurfaceData):
     def clip(
         self, polygon: object, *, invert: bool = False, progress: Progress | None = None
     ) -> Surface:
-        """Cut the faces along a polygon, and keep what is inside.
+        """Cut the faces along a polygon, and keep what is inside, with the rows in use.
 
-        Returns a Surface: the same surface, bounded by the polygon, with the rows in use.
         In full: `liftmesh.terrain.clipping.clip`.
 
         Parameters
@@ -544,18 +534,16 @@ class Surface(SurfaceData):
         return clipping.clip(self, polygon, invert=invert, progress=progress)
 
     def boundary(self) -> list[Rows]:
-        """Return the boundary of the faces as closed rings.
+        """Return the boundary of the faces as closed rings of rows, with the faces to the left.
 
-        Returns a list of (k,) int32: rows of vertices, with the faces to the left of each ring.
         In full: `liftmesh.terrain.boundary.boundary`.
         """
         return boundary.boundary(self)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
-        """Verify the triangulation from scratch, as `Triangulation.verify`.
+        """Verify all triangles from scratch, those that `trim` leaves out among them.
 
-        Returns a Certificate of all triangles, those that `trim` leaves out among them.
-        In full: `liftmesh.Triangulation.verify`.
+        In full: `liftmesh.verify`.
 
         Parameters
         ----------

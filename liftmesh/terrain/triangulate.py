@@ -215,7 +215,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     -----
     DataWarning
         The coordinate system has degrees, or units that differ; the cloud is no height field, as
-        `liftmesh.terrain.height_field` decides of a thousand rows or more, or of faces; with
+        ``liftmesh.terrain.height_field`` decides of a thousand rows or more, or of faces; with
         weights or radii, values named ``hidden`` are replaced; all lines of an option lie beyond
         all points; or the cloud has edges, which are not used.
 

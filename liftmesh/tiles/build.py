@@ -214,7 +214,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     crs : str, int or CRS, optional
         The coordinate system, in place of that of the source, as for `triangulate`.
     plane : "xy"
-        The projection plane; tiles know no other.
+        The projection plane; only ``"xy"`` is supported.
     on_duplicate : {"first", "last", "lowest", "highest", "mean", "error"}
         As for `triangulate`. An error names two rows of the first tile that has any.
     nonfinite : {"error", "skip"}, default "error"
@@ -230,7 +230,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     resume
         As for `tile`.
     shards : "npy"
-        The format of the triangles; surfaces know no other, as vertices and faces stand beside
+        The format of the triangles; only ``"npy"`` is supported, as vertices and faces stand beside
         them. `TiledSurface.iter_meshes` gives each shard for a file of any format.
     neighbors, threads, progress
         As for `tile`.

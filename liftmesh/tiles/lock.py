@@ -9,7 +9,6 @@ lock file, and without a manifest that names them, are somebody else's.
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import re
@@ -20,6 +19,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from liftmesh.base import platform
 from liftmesh.base.interruption import opened
 from liftmesh.errors import DegenerateInputError, FormatError, InputError, Option
 from liftmesh.tiles.options import JOB, RunContext
@@ -44,7 +44,6 @@ _NOTE = re.compile(
 )
 _ATTEMPTS = 100  # at making folders that other runs remove, which had made them
 _LOCK_BYTES = 1 << 16
-_UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
 @contextmanager
@@ -158,7 +157,7 @@ def _lock_file(out: Path, made: list[Path]) -> Iterator[int]:
 
 def _open(path: Path, made: list[Path], stack: ExitStack, attempts: int = _ATTEMPTS) -> int:
     """Open a lock file, never by a link; another run may remove the folders that it has made."""
-    flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
+    flags = os.O_RDWR | os.O_CREAT | platform.REGULAR
     try:
         _make_folders(path.parent, made)
         return stack.enter_context(opened(path, flags, 0o666))
@@ -175,15 +174,12 @@ def _open(path: Path, made: list[Path], stack: ExitStack, attempts: int = _ATTEM
 def _lock(lock: int, path: Path) -> None:
     """Lock a file; file systems without locks do without."""
     try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        platform.lock(lock)
     except BlockingIOError:
         holder = _holder(lock).get("holder", "another process")
         raise InputError(
             f"{path.parent} is being written by {holder}: wait for it, or choose another folder"
         ) from None
-    except OSError as error:
-        if error.errno not in _UNABLE:
-            raise
 
 
 def _check_lock(lock: int, path: Path) -> None:
@@ -203,7 +199,8 @@ def _not_ours(path: Path) -> InputError:
 def _holder(lock: int) -> dict[str, str]:
     """Read what the holder of a lock says; nothing if it says nothing."""
     try:
-        said = json.loads(os.pread(lock, _LOCK_BYTES, 0))
+        os.lseek(lock, 0, os.SEEK_SET)
+        said = json.loads(os.read(lock, _LOCK_BYTES))
     except (ValueError, RecursionError, OSError):
         return {}
     return said if isinstance(said, dict) and all(map(_is_text, said.values())) else {}
@@ -226,7 +223,8 @@ def _take(lock: int, context: RunContext, made: list[Path], *, anew: bool) -> No
         raise
     holder = f"process {os.getpid()} on {socket.gethostname()}"
     text = json.dumps({"holder": holder, "scratch": str(context.scratch)})
-    os.pwrite(lock, text.encode().ljust(before), 0)  # it is never empty again
+    os.lseek(lock, 0, os.SEEK_SET)
+    os.write(lock, text.encode().ljust(before))  # it is never empty again
 
 
 def _take_scratch(before: Path, context: RunContext, made: list[Path], *, anew: bool) -> None:

@@ -12,7 +12,7 @@ of them goes into a tile; the others are duplicates of that one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -65,6 +65,14 @@ class Plan:
             all_boxes[cut, :2] = np.minimum(before, after)[:2]
             all_boxes[cut, 2:] = np.maximum(before, after)[2:]
         return all_boxes
+
+    def lines(self, bounds: Sequence[float]) -> Floats:
+        """Return the ends of each cut within bounds, (cuts, 2, 2)."""
+        cells = np.array([self.cells[cut] for cut in range(len(self.axes))]).reshape(-1, 2, 2)
+        ends: Floats = np.clip(cells, bounds[:2], bounds[2:])
+        every = np.arange(len(self.axes))
+        ends[every, :, self.axes] = self.at[every, self.axes, None]
+        return ends
 
     def above(self, name: int) -> list[int]:
         """List the cuts above a node, the nearest one first."""

@@ -33,6 +33,7 @@ import numpy as np
 from liftmesh._typing import Array, Integers
 from liftmesh.base.interruption import opened
 from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat
+from liftmesh.base.platform import HOLDS_FOLDERS
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.tiles.schema import POSITION, ROW
@@ -146,8 +147,9 @@ def save_json(path: Path, content: Mapping[str, Any]) -> None:
 
 def names_to_disk(folder: Path) -> None:
     """Wait until the names of a folder's files are on the disk, as their contents are."""
-    with opened(folder, os.O_RDONLY) as descriptor:
-        os.fsync(descriptor)
+    if HOLDS_FOLDERS:
+        with opened(folder, os.O_RDONLY) as descriptor:
+            os.fsync(descriptor)
 
 
 def load_json(path: Path) -> dict[str, Any]:
@@ -234,13 +236,16 @@ def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> 
 def fill(values: Array, path: Path, begin: int) -> None:
     """Read values of an NPY file that `save_array` has written into an array."""
     rest = values.reshape(-1).view(np.uint8).data
-    with opened(path, os.O_RDONLY) as file:
-        begun = os.pread(file, _NPY_LENGTH + 4, 0)
+    with (
+        opened(path, os.O_RDONLY) as descriptor,
+        os.fdopen(descriptor, "rb", buffering=0, closefd=False) as file,
+    ):
+        begun = file.read(_NPY_LENGTH + 4)
         size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
         length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
-        at = _NPY_LENGTH + size + length + values.dtype.itemsize * begin
-        while len(rest) and (count := os.preadv(file, [rest], at)):
-            at, rest = at + count, rest[count:]
+        file.seek(_NPY_LENGTH + size + length + values.dtype.itemsize * begin)
+        while len(rest) and (count := file.readinto(rest)):
+            rest = rest[count:]
     if len(rest):
         raise FormatError(f"{path}: truncated: tile the source again")
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
+from liftmesh.base.display import Plotted
 from liftmesh.base.options import Interpolation, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import (
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
 
 
-class Tiled(TiledData):
+class Tiled(TiledData, Plotted):
     """A triangulation in shards, as returned by `tile` and `open_tiled`.
 
     Triangles name rows of the whole source, counted through all of its files. Each is in one
@@ -103,10 +104,8 @@ class Tiled(TiledData):
 
         Raises
         ------
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            A file is damaged, or cannot be read.
 
         See Also
         --------
@@ -133,10 +132,8 @@ class Tiled(TiledData):
 
         Raises
         ------
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            A file is damaged, or cannot be read.
         MemoryError
             There are too many.
 
@@ -350,10 +347,8 @@ class Tiled(TiledData):
         ------
         InputError
             The source is not known, or has changed since, or an option is invalid.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read or written.
+        FormatError, OSError
+            A file is damaged, or cannot be read or written.
 
         Notes
         -----

@@ -17,19 +17,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Integers, Rows
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.arrays import planar_bounds
 from liftmesh.base.frozen import FrozenResult, cached_property
-from liftmesh.errors import InputError, Option
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.optional import load
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.report import Report
+from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.schema import POSITION, ROW, Schema, cloud_from
 from liftmesh.tiles.shards import open_shard, read_shard
 from liftmesh.tiles.store import (
+    PLAN,
     damaged,
+    digest_of,
     faces_name,
     is_sound,
     links_name,
+    load_json,
     mapped,
     neighbors_name,
     sound,
@@ -129,6 +134,28 @@ class TiledSurfaceData(TiledData):
 def box_of(tiled: TiledSurfaceData) -> tuple[float, ...]:
     """Return the least and the greatest coordinates: xmin, ymin, zmin, xmax, ymax, zmax."""
     return tuple(tiled.manifest["surface"]["box"])
+
+
+def plan_of(tiled: TiledData) -> Plan:
+    """Read where the tiles are: another plan cannot make wrong triangles right."""
+    path = tiled.folder / PLAN
+    if digest_of(path) != tiled.manifest["files"][PLAN]["sha256"]:
+        raise FormatError(f"{path}: damaged: tile the source again")
+    return Plan.from_dict(load_json(path))
+
+
+def cuts_of(tiled: TiledData) -> tuple[Floats, tuple[float, float, float, float]]:
+    """Return the ends of the cuts between tiles, the first cut first, and bounds of all tiles.
+
+    Without heights no file has coordinates: then they reach a quarter beyond the cuts.
+    """
+    plan = plan_of(tiled)
+    if isinstance(tiled, TiledSurfaceData):
+        return plan.lines(tiled.bounds), tiled.bounds
+    left, low, right, high = planar_bounds(plan.at)
+    beyond = max(right - left, high - low) / 4
+    bounds = left - beyond, low - beyond, right + beyond, high + beyond
+    return plan.lines(bounds), bounds
 
 
 def stated_files(tiled: TiledData) -> dict[str, Mapping[str, Any]]:

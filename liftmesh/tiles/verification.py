@@ -14,16 +14,15 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress
 from liftmesh.base.options import as_folder, as_threads, check_progress
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
-from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.proof import Proof, proof_of
 from liftmesh.tiles.schema import Reading
 from liftmesh.tiles.sorted_chunks import digests_of
 from liftmesh.tiles.sources import files_of, source_chunks
-from liftmesh.tiles.store import PLAN, concatenated, digest_of, load_json
-from liftmesh.tiles.tiled_data import TiledData, UnprovedData, blocks_of, is_intact
+from liftmesh.tiles.store import concatenated
+from liftmesh.tiles.tiled_data import TiledData, UnprovedData, blocks_of, is_intact, plan_of
 
 _MANY = 1 << 30  # rows: enough for any number of threads
 _READ = 0.3  # the share of the work before the first tile
@@ -44,7 +43,7 @@ def verify_tiled(
     source = _source_of(tiled) if points is None else points
     place = tiled.folder if scratch is None else as_folder("scratch", scratch)
     with working_folder(place, "verify") as folder:
-        plan = _plan_of(tiled)
+        plan = plan_of(tiled)
         proof = proof_of(tiled, plan, folder, count)
         sizes = [chunk["rows"] for chunk in tiled.manifest["chunks"]]
         rows = _rows(tiled, source, max(1, *sizes), folder)
@@ -54,14 +53,6 @@ def verify_tiled(
             show(_READ + (1 - _READ) * number / (2 * plan.tiles))
     _check_files(tiled, proof)
     return _certificate(tiled, proof, skipped, digest)
-
-
-def _plan_of(tiled: TiledData) -> Plan:
-    """Read where the tiles are: another plan cannot make wrong triangles right."""
-    path = tiled.folder / PLAN
-    if digest_of(path) != tiled.manifest["files"][PLAN]["sha256"]:
-        raise FormatError(f"{path}: damaged: tile the source again")
-    return Plan.from_dict(load_json(path))
 
 
 def _source_of(tiled: TiledData) -> list[str]:

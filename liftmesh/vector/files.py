@@ -188,10 +188,16 @@ def write_lines(
         parts = (points[begin:end].tolist() for begin, end in pairwise(starts.tolist()))
         lines = ({"type": "LineString", "coordinates": part} for part in parts)
         return _write_features(path, lines, columns, crs)
-    shapely = load("shapely", extra="shapes")
+    return _write_shapes(path, line_shapes(points, starts), columns, crs, layer, "LineString")
+
+
+def line_shapes(points: Floats, starts: Array) -> Array:
+    """Make lines of shapely."""
     counts = np.diff(starts)
-    shapes = shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
-    return _write_shapes(path, shapes, columns, crs, layer, "LineString")
+    shapes: Array = load("shapely", extra="shapes").linestrings(
+        points, indices=np.repeat(np.arange(len(counts)), counts)
+    )
+    return shapes
 
 
 def write_areas(

@@ -379,9 +379,14 @@ def write_by_geopandas(
 ) -> None:
     """Write geometries by the driver that the options name."""
     load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
-    geopandas = load("geopandas", extra="shapes")
-    system = None if crs is None else look_up(crs, extra="shapes")
-    frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)
+    frame = frame_of_shapes(shapes, columns, crs)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*'crs' was not provided", UserWarning)
         frame.to_file(target, engine="pyogrio", **options)
+
+
+def frame_of_shapes(shapes: Array, columns: Mapping[str, Array], crs: str | None) -> Any:
+    """Make a GeoDataFrame."""
+    geopandas = load("geopandas", extra="shapes")
+    system = None if crs is None else look_up(crs, extra="shapes")
+    return geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)

@@ -108,8 +108,8 @@ def _(shown: ClippedCells, name: str) -> list[Layer]:
     following = corner + 1
     following[rings[1:] - 1] = rings[:-1]
     rows = np.flatnonzero(np.isfinite(shown.points).all(axis=1)).astype(np.int32)
-    style = {"color": "#7c2d12", "size": 5, "above": True}
-    sides = _lines(_flat(shown.corners), np.column_stack([corner, following]), name, "#1d4e89")
+    style = {"color": "#c2410c", "size": 5, "above": True}
+    sides = _lines(_flat(shown.corners), np.column_stack([corner, following]), name, "#3b7dbd")
     return [
         replace(sides, style={**sides.style, "above": True}),
         Layer(f"sites of {name}", "points", _flat(shown.points[rows]), rows=rows, style=style),

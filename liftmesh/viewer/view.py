@@ -7,7 +7,8 @@ from typing import Any
 
 from liftmesh.base.options import counted, refused
 from liftmesh.crs.comparison import common_system
-from liftmesh.crs.description import crs_name, parse_crs
+from liftmesh.crs.description import crs_name
+from liftmesh.crs.units import planar_unit
 from liftmesh.errors import InputError, Option
 from liftmesh.pages.page import Layer, Page
 from liftmesh.viewer.layers import bounded, check_size, layers_of, with_change
@@ -79,7 +80,7 @@ def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = 
     if not any(len(layer.points) for layer in layers):
         raise InputError("there is nothing to show: no row is finite")
     title = ", ".join(dict.fromkeys(names)) if title is None else title
-    return Page(layers, title, notes=_notes(layers, crs), unit=_unit(crs))
+    return Page(layers, title, notes=_notes(layers, crs), unit=planar_unit(crs))
 
 
 def _names(objects: Sequence[Any], names: Sequence[str] | None) -> list[str]:
@@ -110,8 +111,3 @@ def _notes(layers: Sequence[Layer], crs: str | None) -> list[str]:
     first = layers[0]
     count = f"{len(first.points if first.cells is None else first.cells):,} {first.kind}"
     return [count] if crs is None else [count, crs_name(crs)]
-
-
-def _unit(crs: str | None) -> str | None:
-    system = parse_crs(crs)
-    return system.units[0].name if system and system.units[0] else None

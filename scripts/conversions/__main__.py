@@ -1,6 +1,6 @@
-"""Send clouds through every pair of formats and objects, or make the tables of FORMATS.md.
+"""Send clouds through every pair of formats and objects, or make the tables of formats.md.
 
-    python scripts/conversions                  writes the tables into FORMATS.md
+    python scripts/conversions                  writes the tables into docs/guide/formats.md
     python scripts/conversions --check          exits with 1 if the page is out of date
     python scripts/conversions --seconds 600    draws clouds, and sends them through every pair
     python scripts/conversions --files FOLDER   triangulates files, sends them through each format

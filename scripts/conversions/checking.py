@@ -2,7 +2,7 @@
 
 A format names them in `WriteResult.dropped`, exactly: no loss is unnamed, and nothing is named that
 was not lost. Objects, and formats that other programs write, name nothing: there the table of
-FORMATS.md, which `table` makes, must show each loss. In it also stand the types that a format gives
+formats.md, which `table` makes, must show each loss. In it also stand the types that a format gives
 to named values. Anything that raises must be a `LiftmeshError` of one line.
 """
 
@@ -51,7 +51,7 @@ def went_through(passage: Passage, cloud: Cloud) -> Cloud | None:
     if passage.place == "las":  # the values of every point have types of their own
         known |= lost & {f"type of {name}" for name in OF_LAS}
     if arrival.named is None:
-        _demand(lost == known, passage, f"loses {lost - known}, which FORMATS.md does not say")
+        _demand(lost == known, passage, f"loses {lost - known}, which formats.md does not say")
         return arrival.cloud
     by_table = {each for each in known if each == ORDER or each.startswith("type of ")}
     missing = unnamed(lost - by_table, arrival.named)

@@ -2,7 +2,7 @@
 
 `MAKERS` lists for each adapter of the registry what it is given: an adapter without an entry fails
 a test. Tables get those parts of a cloud that they can hold. Objects report no losses: what each
-keeps stands in the table of FORMATS.md, and nothing else may be lost.
+keeps stands in the table of formats.md, and nothing else may be lost.
 """
 
 from __future__ import annotations

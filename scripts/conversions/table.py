@@ -1,4 +1,4 @@
-"""The tables of FORMATS.md: what each format and object keeps, every cell from a probe."""
+"""The tables of formats.md: what each format and object keeps, every cell from a probe."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from conversions.read_only import read_only
 
 from liftmesh.io.registry import FORMATS
 
-PAGE = Path(__file__).resolve().parents[2] / "FORMATS.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs/guide/formats.md"
 
 Row = tuple[str, ...]
 

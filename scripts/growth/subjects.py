@@ -102,6 +102,12 @@ CHUNKS = 16
 """Files are read in chunks of a sixteenth of their rows, roughly."""
 
 
+DRAWN = (
+    "Surface", "Raster", "Contours", "Profile", "Triangulation", "Cells", "ApolloniusCells",
+    "Unclipped", "Certificate", "Tiled",
+)  # fmt: skip
+"""Results with a method `plot`."""
+
 WITHOUT_DATA = {
     "Weights": "a result, made by Surface.weights; its methods are watched",
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
@@ -120,6 +126,7 @@ WITHOUT_DATA = {
     "plot": "matplotlib draws what rasters and contours, which are watched, have made",
     "view": "copies arrays; difference and simplify, which are watched, do the rest",
     "Surface.view": "does what view does",
+    **{f"{kind}.plot": "does what plot does" for kind in DRAWN},
     "Page": "a result, made by view",
     "Page.save": "packs arrays as they are",
     "Page.to_html": "packs arrays as they are",

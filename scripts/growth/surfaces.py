@@ -278,8 +278,15 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     calls = {"centers": liftmesh.Raster.centers, "filled": lambda raster: raster.filled(10)}
     for name, call in calls.items():
         yield f"Raster.{name}", PLANAR, on_raster(call), ("uniform",), LEAST
-    yield "Raster.to_xarray", PLANAR, on_raster(liftmesh.Raster.to_xarray), ()  # loads for long
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
+    yield from tables()
+
+
+def tables() -> Iterator[tuple[Any, ...]]:
+    """The same of what makes tables of other libraries, which load for long."""
+    yield "Raster.to_xarray", PLANAR, on_raster(liftmesh.Raster.to_xarray), ()
+    yield "Profile.to_dataframe", PLANAR, profiled(liftmesh.Profile.to_dataframe), ()
+    yield "Contours.to_geodataframe", PLANAR, contoured(liftmesh.Contours.to_geodataframe), ()
 
 
 def check_functions() -> Iterator[tuple[Any, ...]]:

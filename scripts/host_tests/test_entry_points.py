@@ -88,7 +88,7 @@ def test_no_reader_is_one_that_pyvista_has() -> None:
 
 @pytest.mark.parametrize("library", ["xarray", "meshio", "trimesh", "matplotlib.tri", "shapely"])
 def test_other_libraries_have_no_place_for_plugins(library: str, tmp_path: Path) -> None:
-    """Their modules are imported, as PLUGINS.md says; what they have is of other kinds."""
+    """Their modules are imported, as the page of plugins says; what they have is of other kinds."""
     run(f"import {library}\nassert 'liftmesh' not in sys.modules", tmp_path)
     assert {each.group for each in distribution("liftmesh").entry_points} == {
         "console_scripts", "pyvista.accessors", "pyvista.readers", "pyvista.writers"

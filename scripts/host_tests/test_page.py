@@ -1,4 +1,4 @@
-"""The examples of PLUGINS.md for PyVista, as `tests/test_readme.py` runs the others."""
+"""The examples of plugins.md for PyVista, as `tests/test_pages.py` runs the others."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 def test_examples(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    page = (ROOT / "PLUGINS.md").read_text("utf-8")
+    page = (ROOT / "docs/guide/plugins.md").read_text("utf-8")
     _, _, rest = page.partition("\n## PyVista\n")
     parts = re.findall(
         r"^```pycon\n(.*?)^```$", rest.partition("\n## ")[0], re.MULTILINE | re.DOTALL

@@ -13,6 +13,7 @@ import hashlib
 import os
 import shlex
 import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -32,7 +33,13 @@ CHECKED = (*TRACED, "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 CLANG = (os.environ.get("CLANG", "clang++"),)
 NATIVE = tuple(shlex.split(os.environ.get("CXX", "c++")))
 SANITIZERS = "scripts/setup.sh names the packages of clang and its sanitizers"
+ZIG = "pip install ziglang: a clang with the libraries of many systems"
 KEPT = 3  # programs of one name: an old one may still be running
+
+
+def zig(target: str) -> tuple[str, ...]:
+    """Return the compiler for another system, as "aarch64-linux-musl"."""
+    return (sys.executable, "-m", "ziglang", "c++", "-target", target)
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,8 @@ class Program:
     """A program: the folder of its own sources, its compiler, and flags.
 
     `others` are sources from other folders. A source of its own takes the place of the kernel's of
-    the same name. `remedy` is what to do where the compiler is missing.
+    the same name. `remedy` is what to do where the compiler is missing. With `by_room` all sources
+    of a room of the kernel are compiled at once, as for the wheel.
     """
 
     name: str
@@ -51,6 +59,7 @@ class Program:
     others: tuple[Path, ...] = ()
     compiler: tuple[str, ...] = CLANG
     remedy: str = SANITIZERS
+    by_room: bool = False
 
     def compiled_with(self, source: Path) -> list[str]:
         """Return the command that compiles a source, without the names of files."""
@@ -126,12 +135,28 @@ def _build(program: Program, folder: Path) -> Path:
         run(command, program.remedy)
         return str(target)
 
+    sources = _united(program, folder) if program.by_room else program.sources()
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        objects = list(pool.map(compiled, program.sources()))
+        objects = list(pool.map(compiled, sources))
     target = folder / program.name
     link = [*program.compiler, *program.flags, *program.link_flags, *objects]
     run([*link, "-pthread", "-o", str(target)], program.remedy)
     return target
+
+
+def _united(program: Program, folder: Path) -> list[Path]:
+    """Write a source for each room of the kernel, which includes all of the room's."""
+    rooms: dict[str, list[Path]] = {}
+    alone = []
+    for source in program.sources():
+        if source.is_relative_to(KERNEL) and source.stem != "platform":
+            rooms.setdefault(source.parent.name, []).append(source)
+        else:
+            alone.append(source)
+    for room, sources in rooms.items():
+        alone.append(folder / f"{room}.cpp")
+        alone[-1].write_text("".join(f'#include "{source}"\n' for source in sources))
+    return alone
 
 
 def _precompiled(program: Program, folder: Path) -> list[str]:

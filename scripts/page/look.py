@@ -6,13 +6,14 @@ with all its digits, and nothing may be said on the console or asked of a networ
 coordinates must look as the same at the origin, and a page of hostile names must be harmless.
 Pictures at the width of a laptop and of a phone, light and dark, are left in ``out/page``, to be
 looked at. At last, pages of more and more triangles: their sizes, how long they take to open, and
-frames a second, drawn by the processor.
+frames a second, drawn by the processor. With ``--rows 10000000``, also those of so many rows.
 """
 
 from __future__ import annotations
 
 import json
 import subprocess
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,9 +33,9 @@ SIZES = (10_000, 100_000, 1_000_000)  # triangles
 RNG = np.random.default_rng(40)
 
 
-def look(modules: Path, out: Path, browser: str) -> int:
+def look(modules: Path, out: Path, browser: str, rows: int) -> int:
     """Make pages, open them, judge what was seen, and print the table; how much is wrong."""
-    jobs = [*kinds(out), *sizes(out)]
+    jobs = [*kinds(out), *sizes(out), *(many(out, rows) if rows else [])]
     seen = looked(jobs, out, modules, browser)
     faults = [fault for result in seen.values() for fault in faults_of(result)]
     faults += compared(out / "origin.png", out / "utm.png")
@@ -57,7 +58,12 @@ def kinds(out: Path) -> list[dict[str, Any]]:
     colored = surface.replace(colors=(surface.vertices[:, [0, 1, 0]] * 4).astype(np.uint8))
     named = colored.with_attributes({HOSTILE: surface.vertices[:, 0], "nan": np.full(3600, np.nan)})
     rows = surface.vertices[[1830, 777, 2929]]
-    cells = liftmesh.voronoi(plane, domain=(0, 0, 1, 1))
+    square, radii = (0, 0, 1, 1), RNG.random(70) * 0.06
+    cells = liftmesh.voronoi(plane, domain=square)
+    power = liftmesh.power_diagram(plane, radii=radii, domain=square)
+    disks = liftmesh.apollonius_diagram(plane, radii, domain=square)
+    wave = np.column_stack([np.linspace(0, 1, 40), 0.5 + 0.2 * np.sin(np.linspace(0, 9, 40))])
+    forced = liftmesh.constrained_delaunay(RNG.random((300, 2)), polylines=[wave])
     pages = {
         "surface": (liftmesh.view(surface), {"rows": rows.tolist(), "work": True}),
         "origin": (liftmesh.view(surface), {"rows": rows.tolist()}),
@@ -65,6 +71,9 @@ def kinds(out: Path) -> list[dict[str, Any]]:
         "change": (liftmesh.view(surface, hills(4.0), names=["before", "after"]), {}),
         "lift": (liftmesh.view(liftmesh.delaunay(plane).lifted(), title="The lift"), {}),
         "cells": (liftmesh.view(liftmesh.delaunay(plane), cells, names=["triangles", "cells"]), {}),
+        "power": (liftmesh.view(liftmesh.regular(plane, radii=radii), power), {}),
+        "disks": (liftmesh.view(disks), {}),
+        "constraints": (liftmesh.view(forced), {}),
         "tetrahedra": (
             liftmesh.view(liftmesh.tetrahedralize(RNG.normal(size=(2000, 3)))),
             {"script": "liftmesh.view.setCut(1, 0.5)"},
@@ -77,7 +86,7 @@ def kinds(out: Path) -> list[dict[str, Any]]:
     return jobs + [
         {**looks(out, job["name"], f"{job['name']}-{name}"), **more}
         for name, more in others.items()
-        for job in jobs[:5]
+        for job in jobs
     ]
 
 
@@ -113,6 +122,25 @@ def sizes(out: Path) -> list[dict[str, Any]]:
         heights = 20 * np.sin(plane[:, 0] / 60) + 30 * np.cos(plane[:, 1] / 90)
         surface = liftmesh.triangulate(np.column_stack([plane, heights]))
         jobs.append(saved(out, str(count), liftmesh.view(surface), {"rate": True}))
+    return jobs
+
+
+def many(out: Path, rows: int) -> list[dict[str, Any]]:
+    """Make pages of very many rows, some of them NaN, under a hostile name; say what they take."""
+    plane = RNG.random((rows, 2)) * 3000
+    heights = 20 * np.sin(plane[:, 0] / 60) + 30 * np.cos(plane[:, 1] / 90)
+    points = np.column_stack([plane, heights])
+    points[::1000] = np.nan
+    cloud = liftmesh.Cloud(points, attributes={HOSTILE: heights})
+    surface = liftmesh.triangulate(cloud, nonfinite="skip")
+    jobs = []
+    for name, each in {"many-points": cloud, "many-triangles": surface}.items():
+        began = time.process_time()
+        page = liftmesh.view(each, names=[HOSTILE], title=HOSTILE)
+        jobs.append(saved(out, name, page, {}))
+        seconds, weight = time.process_time() - began, (out / f"{name}.html").stat().st_size
+        note = page.layers[0].note
+        print(f"{rows:,} rows as {name}: {weight / 1e6:.0f} MB, {seconds:.0f} s of CPU; {note}")
     return jobs
 
 

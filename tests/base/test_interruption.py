@@ -429,7 +429,7 @@ def test_a_signal_at_any_instruction_leaves_no_file_open(
     nameless: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if not nameless:
-        monkeypatch.setattr(atomic, "_NAMELESS", 0)
+        monkeypatch.setattr(atomic, "NAMELESS", 0)
     monkeypatch.setattr(sys, "unraisablehook", lambda _: None)  # a generator that is thrown away
 
     def run() -> None:

@@ -58,17 +58,18 @@ def test_help_has_examples_that_parse(command):
 
 
 def test_pages_and_campaigns_name_every_command():
-    readme, reading, jobs = (
-        (ROOT / path).read_text("utf-8") for path in ("README.md", "READING.md", "scripts/jobs.py")
+    pages = "".join(p.read_text("utf-8") for p in (ROOT / "docs").rglob("*.md"))
+    ground, jobs = (
+        (ROOT / path).read_text("utf-8") for path in ("docs/guide/ground.md", "scripts/jobs.py")
     )
-    assert [name for name in COMMANDS if not re.search(rf"liftmesh {name}\b", readme)] == []
+    assert [name for name in COMMANDS if not re.search(rf"liftmesh {name}\b", pages)] == []
     assert {*re.findall(r'yield f?"([\w-]+) ', jobs)} == {*COMMANDS}
     reads_lidar = [
         name
         for name in COMMANDS
         if any("--all-classes" in each.opts for each in Command(name).params)
     ]
-    told = next(line for line in reading.splitlines() if "the ground of a LAS or LAZ file" in line)
+    told = next(line for line in ground.splitlines() if "the ground of a LAS or LAZ file" in line)
     assert [name for name in reads_lidar if f"`{name}`" not in told] == []
 
 

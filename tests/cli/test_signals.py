@@ -251,7 +251,7 @@ liftmesh.io.read.read = both
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:
     change = """
 from liftmesh.io import atomic, write
-atomic._NAMELESS = 0
+atomic.NAMELESS = 0
 write._write = deaf
 """
     child = started(change, "triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)

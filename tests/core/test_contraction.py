@@ -42,7 +42,8 @@ FUSING = "-ffp-contract=fast"
 def options() -> list[str]:
     """What the build tells the compiler about contraction, for all that includes the kernel."""
     listed = (CORE / "CMakeLists.txt").read_text("utf-8")
-    (public,) = re.findall(r"target_compile_options\(liftmesh_core PUBLIC ([^\n]*)", listed)
+    by_driver = re.findall(r"target_compile_options\(liftmesh_core PUBLIC ([^\n]*)\)", listed)
+    (public,) = {flags.replace("/clang:", "") for flags in by_driver}
     return public.split()
 
 

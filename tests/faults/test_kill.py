@@ -22,7 +22,7 @@ import numpy as np
 import liftmesh
 from liftmesh.io import atomic
 if sys.argv[1] == "named":  # as on a file system without nameless files
-    atomic._NAMELESS = 0
+    atomic.NAMELESS = 0
 liftmesh.write("mesh.obj", np.random.default_rng(0).random((600_000, 3)))
 """
 COMMAND_LINE = f"""{STOPS}
@@ -30,7 +30,7 @@ import sys
 from liftmesh.cli import main
 from liftmesh.io import atomic
 if sys.argv[1] == "named":
-    atomic._NAMELESS = 0
+    atomic.NAMELESS = 0
 sys.exit(main(["triangulate", "../cloud.npy", "mesh.obj", "--overwrite"]))
 """
 
@@ -100,7 +100,7 @@ def test_without_nameless_files_only_what_cannot_be_heard_leaves_a_part(
 def test_without_nameless_files_an_error_leaves_no_part(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(atomic, "_NAMELESS", 0)
+    monkeypatch.setattr(atomic, "NAMELESS", 0)
     (folder / "mesh.obj").chmod(0o640)
     late = Cloud(np.zeros((2, 3)), colors=np.array([[0.0, 0, 0], [0, 9, 0]]))
     with pytest.raises(liftmesh.InputError, match="row 1"):

@@ -1,4 +1,4 @@
-"""Files of strangers: nothing in them is run or followed, and nothing is written elsewhere."""
+"""Untrusted files: nothing in them is run or followed, and nothing is written elsewhere."""
 
 from __future__ import annotations
 

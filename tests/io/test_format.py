@@ -38,12 +38,12 @@ def test_values_with_the_name_of_a_part_are_told_apart(name: str, told: str) -> 
     assert dropped_values(name) == told
 
 
-def test_pages_name_every_format() -> None:
+def test_page_and_docstring_name_every_format() -> None:
     root = Path(liftmesh.__file__).parents[1]
-    pages = [(root / name).read_text("utf-8") for name in ("README.md", "FORMATS.md")]
+    page = (root / "docs/guide/formats.md").read_text("utf-8")
     for each in FORMATS:
         words = "|".join({each.name, *(suffix[1:] for suffix in each.suffixes)})
-        for text in [*pages, *([read.__doc__ or ""] if each.read else [])]:
+        for text in [page, *([read.__doc__ or ""] if each.read else [])]:
             assert re.search(rf"\b({words})\b", text, re.IGNORECASE), (each.name, text[:30])
 
 

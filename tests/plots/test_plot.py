@@ -9,19 +9,25 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from matplotlib.collections import LineCollection
 
 import liftmesh
 from liftmesh import DataWarning, InputError, UnsupportedTypeError
+from liftmesh.plots import plot as drawn
 
 HILL = np.array([[0, 0, 0], [40, 0, 0], [0, 20, 0], [40, 20, 0], [20, 10, 8.0]])
+DATA = Path(__file__).resolve().parent.parent.parent / "data"
 RNG = np.random.default_rng(40)
 
 
+def pieces(line: Any) -> list[np.ndarray]:
+    """Lines are one, with gaps."""
+    points = line.get_xydata()
+    parts = np.split(points, np.flatnonzero(np.isnan(points[:, 0])))
+    return [kept for part in parts if len(kept := part[~np.isnan(part[:, 0])]) > 1]
+
+
 def segments(ax: Any) -> list[np.ndarray]:
-    return [
-        each for c in ax.collections if isinstance(c, LineCollection) for each in c.get_segments()
-    ]
+    return [each for line in ax.lines if line.get_linestyle() == "-" for each in pieces(line)]
 
 
 def test_a_surface_is_shaded_relief_with_contours_and_units() -> None:
@@ -68,7 +74,10 @@ def test_others_are_drawn_in_given_axes() -> None:
     assert len(segments(axes[0])) == len(tri.edges)
     (profile,) = axes[2].lines
     assert profile.get_ydata().tolist() == hill.profile([[0, 5], [40, 5]]).points[:, 2].tolist()
-    assert len(segments(axes[3])) == 5
+    styled = liftmesh.plot(hill.profile([[0, 5], [40, 5]]), linewidth=3)
+    assert styled.lines[0].get_linewidth() == 3
+    corners = len(cells.corners)
+    assert len(segments(axes[3])) == corners
     assert axes[4].get_legend() is not None
     assert axes[5].images[0].get_array().shape == (20, 40, 4)
     assert len(axes[6].collections[0].get_offsets()) == 5
@@ -77,9 +86,8 @@ def test_others_are_drawn_in_given_axes() -> None:
 
 def test_constraints_stand_out() -> None:
     constrained = liftmesh.constrained_delaunay(HILL[:, :2], edges=[[0, 4]])
-    first, second = (each for each in liftmesh.plot(constrained).collections)
-    assert len(second.get_segments()) == 1
-    assert len(first.get_segments()) == 8
+    first, second = liftmesh.plot(constrained).lines
+    assert (len(pieces(second)), len(pieces(first))) == (1, 8)
 
 
 def test_what_cannot_be_drawn_is_told() -> None:
@@ -97,6 +105,15 @@ def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:
     tiled = liftmesh.tile_surface(HILL, tmp_path / "tiles")
     with pytest.raises(InputError, match="edges are drawn of surfaces in memory"):
         liftmesh.plot(tiled, edges=True)
+
+
+def test_surfaces_that_are_level_or_hardly_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 20)
+    assert liftmesh.triangulate(HILL * [1, 1, 0]).plot().images
+    with pytest.raises(InputError, match="no face to plot"):
+        liftmesh.triangulate([[0, 0, 0], [5e-324, 0, 0], [0, 5e-324, 0]]).plot()
+    with pytest.raises(InputError, match="ax is 3: give axes of matplotlib"):
+        liftmesh.triangulate(HILL).plot(3)
 
 
 def test_a_surface_thinner_than_a_pixel_and_one_in_degrees() -> None:
@@ -129,11 +146,69 @@ def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
     assert not (tmp_path / "map.bmp").exists()
 
 
-def test_a_surface_in_tiles_is_drawn_as_in_memory(tmp_path: Path) -> None:
+def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
     tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
-    ours, other = (
-        liftmesh.plot(each, contours=0.5) for each in (tiled, liftmesh.triangulate(rows))
-    )
+    ours, other = (each.plot(contours=0.5) for each in (tiled, liftmesh.triangulate(rows)))
     assert np.array_equal(ours.images[0].get_array(), other.images[0].get_array())
-    assert len(segments(ours)) == len(segments(other))
+    contours = len(segments(other))
+    ends = np.array(segments(ours)[contours:])
+    across = sum(
+        len(np.unique(np.sort(pairs, axis=1), axis=0))
+        for path, block in zip(tiled.shards, tiled.iter_blocks(), strict=True)
+        if path.stem.startswith("seam") and len(block)
+        for pairs in [np.concatenate([block[:, [0, 1]], block[:, [1, 2]], block[:, [2, 0]]])]
+    )
+    cuts = sum(path.stem.startswith("tile") for path in tiled.shards) - 1
+    assert len(ends) == across + cuts
+    monkeypatch.setattr(drawn, "_MOST_SEAMS", 0)
+    monkeypatch.setattr(drawn, "PIXELS", 20)
+    assert len(segments(tiled.plot(contours=False))) == cuts
+    assert not segments(tiled.plot(contours=False, tiles=False))
+    done = command("plot", "tiles", "a.svg", "--tiles", "--no-contours", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    refused = command("plot", str(DATA / "quad.xyz"), "a.png", "--tiles", cwd=tmp_path)
+    assert "--tiles is for a folder" in refused.stderr
+    assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).max() == pytest.approx(30, rel=0.05)
+
+
+def test_tiles_are_drawn_by_their_cuts(tmp_path: Path) -> None:
+    plain = liftmesh.tile(RNG.random((300, 2)), tmp_path / "plain", tile_rows=100)
+    cuts = sum(path.stem.startswith("tile") for path in plain.shards) - 1
+    assert len(segments(plain.plot(color="k", lw=1))) == cuts
+    whole = liftmesh.tile(HILL[:, :2], tmp_path / "whole")
+    with pytest.raises(InputError, match="one tile"):
+        whole.plot()
+
+
+def test_a_diagram_is_drawn_with_its_rays() -> None:
+    sites = RNG.random((30, 2))
+    whole = liftmesh.voronoi(sites).unclipped
+    ends = np.array(segments(whole.plot()))
+    assert len(ends) == len(whole.ridge_points)
+    order = [*np.flatnonzero(whole.ridge_ends[:, 0] >= 0), *whole.rays[0]]
+    apart = np.linalg.norm(ends[:, :, None] - sites[whole.ridge_points[order]][:, None], axis=3)
+    assert np.allclose(apart[..., 0], apart[..., 1], rtol=1e-6)
+    nearest = np.linalg.norm(ends[:, :, None] - sites, axis=3).min(axis=2)
+    assert np.allclose(nearest, apart[..., 0], rtol=1e-6)
+    lines = liftmesh.voronoi([[0, 0], [1, 1], [2, 2]]).unclipped.plot()
+    for piece in segments(lines):
+        assert np.ptp(piece.sum(axis=1)) == pytest.approx(0, abs=1e-9)
+
+
+def test_tables_for_plots_of_ones_own() -> None:
+    hill = liftmesh.triangulate(liftmesh.Cloud(HILL, crs="EPSG:25832"))
+    lines = hill.contours(interval=2)
+    table = lines.to_geodataframe()
+    assert table.crs.to_epsg() == 25832
+    assert table["height"].tolist() == lines.levels.tolist()
+    assert np.allclose(table.length, lines.lengths)
+    found = hill.profile([[0, 5], [40, 5]])
+    table = found.to_dataframe()
+    assert table["z"].tolist() == found.points[:, 2].tolist()
+    assert [*table.columns] == ["x", "y", "z", "distance", "line", "part"]
+    sections = hill.cross_sections([[0, 5], [40, 5]], spacing=10, half_width=2)
+    assert {*sections.to_dataframe()["station"]} == {0, 10, 20, 30, 40}
+    assert not len(hill.contours([99, 98]).to_geodataframe())

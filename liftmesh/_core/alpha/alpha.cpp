@@ -91,10 +91,8 @@ bool is_gabriel(const SimplexView<K>& view, std::size_t place, const Corners<K -
     return !holds(place) && (view.neighbors[place] < 0 || !holds(across<K>(view, place)));
 }
 
-}  // namespace
-
 template <int K>
-bool circumradii(const SpacePoint* points, const std::int32_t* simplices, std::size_t count,
+bool round_radii(const SpacePoint* points, const std::int32_t* simplices, std::size_t count,
                  RadiusRounding rounding, Interrupt& interrupt, double* radii) {
     RadiusBatch<K> batch(rounding);
     return for_each_in_blocks(count, interrupt, [&](std::size_t i) {
@@ -102,6 +100,14 @@ bool circumradii(const SpacePoint* points, const std::int32_t* simplices, std::s
         std::copy_n(simplices + K * i, K, rows.begin());
         batch.add(positions(points, rows), radii[i]);
     });
+}
+
+}  // namespace
+
+template <int K>
+bool circumradii(const SpacePoint* points, const std::int32_t* simplices, std::size_t count,
+                 RadiusRounding rounding, Interrupt& interrupt, double* radii) {
+    return round_radii<K>(points, simplices, count, rounding, interrupt, radii);
 }
 
 namespace {

@@ -1,12 +1,8 @@
-// Large uninitialised arrays. On Linux they request huge pages: a page fault takes as long as
-// triangulating a few points, and random access causes fewer TLB misses.
+// Large uninitialised arrays, in large pages where there are such: random access causes fewer TLB
+// misses.
 #pragma once
 
-#include "base/standard.hpp"
-
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
+#include "base/platform.hpp"
 
 namespace liftmesh {
 
@@ -63,24 +59,13 @@ using Buffer = std::unique_ptr<T[], Free>;
 template <class T>
 Buffer<T> allocate(std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T> && std::is_trivially_destructible_v<T>);
-    constexpr std::size_t huge_page = std::size_t{1} << 21;
-    constexpr std::size_t line = 64;
+    constexpr std::size_t page = std::size_t{1} << 12, large = std::size_t{1} << 22;
     if (count > static_cast<std::size_t>(-1) / 2 / sizeof(T)) throw std::bad_alloc();
     const std::size_t bytes = std::max<std::size_t>(count * sizeof(T), 1);
-    const bool large = bytes >= 2 * huge_page;
-    constexpr std::size_t page = std::size_t{1} << 12;
-    if (bytes < page) {  // several times as fast, and calls on few points make many
-        void* memory = std::malloc(bytes);
-        if (memory == nullptr) throw std::bad_alloc();
-        return Buffer<T>(static_cast<T*>(memory));
-    }
-    void* memory = large ? InFiles::allocate(bytes) : nullptr;
-    if (memory != nullptr) return Buffer<T>(static_cast<T*>(memory));
-    if (posix_memalign(&memory, large ? huge_page : line, bytes) != 0) throw std::bad_alloc();
-#ifdef __linux__
-    // Whole pages only, so that nothing beyond the array becomes resident. The system may decline.
-    if (large) madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);
-#endif
+    void* memory = bytes >= large ? InFiles::allocate(bytes) : nullptr;
+    // malloc is several times as fast, and calls on few points make many arrays.
+    if (memory == nullptr) memory = bytes < page ? std::malloc(bytes) : platform::allocate(bytes);
+    if (memory == nullptr) throw std::bad_alloc();
     return Buffer<T>(static_cast<T*>(memory));
 }
 

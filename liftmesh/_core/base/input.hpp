@@ -44,7 +44,7 @@ struct Input {
 };
 
 inline bool is_finite(Point p) {
-    return std::isfinite(p.x) & std::isfinite(p.y);
+    return (int{std::isfinite(p.x)} & int{std::isfinite(p.y)}) != 0;
 }
 
 }  // namespace liftmesh

@@ -26,6 +26,7 @@
 #include <memory_resource>
 #include <mutex>
 #include <new>
+#include <numbers>
 #include <numeric>
 #include <optional>
 #include <span>

@@ -173,6 +173,30 @@ void bind_planar(nb::module_& m) {
         .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);
 }
 
+// What a report of a bug has to name. Nothing is chosen at run time: the kernel has the
+// instructions that it was compiled for.
+#if defined(__clang__)
+constexpr const char* compiler = "Clang " __clang_version__;
+#elif defined(__GNUC__)
+constexpr const char* compiler = "GCC " __VERSION__;
+#else
+constexpr const char* compiler = "unknown";
+#endif
+
+#if defined(__AVX512F__)
+constexpr const char* instructions = "AVX-512";
+#elif defined(__AVX2__)
+constexpr const char* instructions = "AVX2";
+#elif defined(__SSE4_2__)
+constexpr const char* instructions = "SSE4.2";
+#elif defined(__SSE2__)
+constexpr const char* instructions = "SSE2";
+#elif defined(__ARM_NEON)
+constexpr const char* instructions = "NEON";
+#else
+constexpr const char* instructions = "basic";
+#endif
+
 }  // namespace
 
 }  // namespace bindings
@@ -181,6 +205,8 @@ NB_MODULE(_kernel, m) {
     liftmesh::refuse_contraction(liftmesh::contracts());
     m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
     m.attr("VERSION") = LIFTMESH_VERSION;
+    m.attr("COMPILER") = bindings::compiler;
+    m.attr("INSTRUCTIONS") = bindings::instructions;
     m.attr("MOST_ROWS") = liftmesh::most_rows;
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
     bindings::bind_planar(m);

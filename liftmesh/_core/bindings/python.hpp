@@ -9,7 +9,6 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/vector.h>
-#include <unistd.h>
 
 #include <random>
 
@@ -66,7 +65,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
     // The child of a fork made by a signal handler, or by `progress`, cannot continue: it has none
     // of the run's threads.
     bool forked() const {
-        if (getpid() == process_) return false;
+        if (liftmesh::forks_so_far() == forks_) return false;
         // GCOV_EXCL_START: the child of a fork ends without writing its counts
         PyErr_SetString(PyExc_RuntimeError,
                         "the process was forked during a run, which continues in the parent only: "
@@ -76,7 +75,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
     }
 
     nb::handle progress_;
-    pid_t process_ = getpid();
+    unsigned forks_ = liftmesh::forks_so_far();
     Clock::time_point due_ = Clock::now() + std::chrono::milliseconds(50);
     bool requested_ = false;
     std::size_t expected_ = 0;

@@ -100,20 +100,17 @@ class Run {
         return true;
     }
 
-    static void store(Row& shared, Row row) {
-        std::atomic_ref<Row>(shared).store(row, std::memory_order_relaxed);
-    }
+    static void store(Row& shared, Row row) { platform::Shared(shared).store(row); }
 
     // The largest in the order of weights, then of descending rows, whoever comes first.
     void raise(Row& shared, Row row) const {
-        const std::atomic_ref<Row> best(shared);
-        Row now = best.load(std::memory_order_relaxed);
+        const platform::Shared best(shared);
+        Row now = best.load();
         const auto is_better = [&] {
             if (values_[row] == values_[now]) return row < now;
             return Lift::is_heavier(values_[row], values_[now]);
         };
-        while (is_better() && !best.compare_exchange_weak(now, row, std::memory_order_relaxed))
-            continue;
+        while (is_better() && !best.exchange(now, row)) continue;
     }
 
     // A kept row that is not the best is lighter.
@@ -161,8 +158,7 @@ class Run {
     // Ghosts name vertices too, at the places 0 and 1.
     bool mark_vertices(const Construction& from, std::vector<std::uint8_t>& is_vertex) {
         const auto mark = [&](Vertex v) {
-            if (v != ghost)
-                std::atomic_ref<std::uint8_t>(is_vertex[v]).store(1, std::memory_order_relaxed);
+            if (v != ghost) platform::Shared(is_vertex[v]).store(1);
         };
         return in_blocks(2 * from.count - 2, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t slot = first; slot < last; ++slot) {

@@ -121,7 +121,7 @@ struct Segment {
     Point left, right;
 
     bool meets_vertical_line_through(Point p) const {
-        return !before_xy(p, left) & !before_xy(right, p);
+        return !(int{before_xy(p, left)} | int{before_xy(right, p)});
     }
 };
 

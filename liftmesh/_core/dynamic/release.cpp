@@ -45,7 +45,9 @@ void Release::move_ahead(Side& side, Vertex other) {
 void Release::begin(Edge e) {
     left_.corner = next(e);
     right_.corner = previous(slots_.twin(e));
-    while (pass_conflicts(left_, ahead(right_)) | pass_conflicts(right_, ahead(left_))) {
+    for (bool passed = true; passed;) {
+        passed = pass_conflicts(left_, ahead(right_));
+        passed |= pass_conflicts(right_, ahead(left_));
     }
     const Edge t = patch_->add(slots_.tail(e), ahead(right_), ahead(left_));
     rims_.push_back({rim(left_), t + 1});

@@ -184,8 +184,8 @@ void Hole::fit(Patch& patch) const {
 }
 
 void Hole::fill(Patch& patch) const {
-    constexpr std::size_t few = 24;
-    if (star.link.size() <= few)
+    constexpr std::size_t few_corners = 24;
+    if (star.link.size() <= few_corners)
         cut(patch);
     else if (is_flat())
         lay_flat(patch);

@@ -1,8 +1,7 @@
 #include "parallel/thread_pool.hpp"
 
-#include <pthread.h>
-
 #include "base/floating_point.hpp"
+#include "base/platform.hpp"
 
 namespace liftmesh {
 
@@ -13,7 +12,7 @@ std::atomic<unsigned> forks = 0;
 
 // Of its parent's threads the child of a fork has only the one that forked.
 // GCOV_EXCL_START: the child of a fork ends without writing its counts
-[[maybe_unused]] const int fork_handler = pthread_atfork(nullptr, nullptr, [] {
+[[maybe_unused]] const bool fork_handler = platform::call_in_forks([] {
     busy = 0;
     ++forks;
 });

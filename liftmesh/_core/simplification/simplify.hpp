@@ -9,7 +9,7 @@ namespace liftmesh::simplification {
 
 struct Simplified {
     Status status = Status::ok;
-    std::vector<Row> rows;     // that stay
+    std::vector<Row> rows{};   // that stay
     bool is_within = false;    // whether no sample exceeds the tolerance
     std::size_t inserted = 0;  // vertices before those were removed that are not needed
 };

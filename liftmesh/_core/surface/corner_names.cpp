@@ -74,10 +74,10 @@ class Namer {
     // Of the pieces that have a vertex, that of the least faces is its owner.
     void own_vertex(std::size_t name, const OverlayPiece& piece) {
         const auto number = static_cast<std::uint32_t>(&piece - pieces_.pieces.get());
-        const std::atomic_ref<std::uint32_t> owner(names_.owners[name]);
-        std::uint32_t held = owner.load(std::memory_order_relaxed);
+        const platform::Shared owner(names_.owners[name]);
+        std::uint32_t held = owner.load();
         while ((held == Pieces::none || is_less(piece, pieces_.pieces[held])) &&
-               !owner.compare_exchange_weak(held, number, std::memory_order_relaxed)) {
+               !owner.exchange(held, number)) {
         }
     }
     static bool is_less(const OverlayPiece& a, const OverlayPiece& b) {

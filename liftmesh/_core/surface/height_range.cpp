@@ -20,7 +20,7 @@ void flag_corners(const Relief& relief, std::size_t first, std::size_t last, Fla
          ++face)
         for (int k = 0; k < 3 && relief.is_shown(face); ++k) {
             const auto row = static_cast<std::size_t>(relief.mesh().vertex(face, k));
-            std::atomic_ref(flags[row]).store(1, std::memory_order_relaxed);
+            platform::Shared(flags[row]).store(1);
         }
 }
 

@@ -309,8 +309,7 @@ class Overlaid {
     }
 
     void mark(OverlaySide side) {
-        std::atomic_ref<std::uint8_t>(found_.bits[side / 3])
-            .fetch_or(static_cast<std::uint8_t>(1u << side % 3), std::memory_order_relaxed);
+        platform::Shared(found_.bits[side / 3]).fetch_or(static_cast<std::uint8_t>(1u << side % 3));
     }
 
     // Whether the corner of a triangle beyond a side is in the circle of the triangle before it.

@@ -26,10 +26,10 @@ constexpr std::size_t side_in(unsigned sides) {
 
 // Whether corners near to the same sides are at one place, and not along two that hardly diverge.
 bool are_together(Point p, Point q, Nearness nearness) {
-    constexpr double unit = 0x1p-52, more = 8;
+    constexpr double ulp = 0x1p-52, more = 8;
     const auto is_near = [nearness](double a, double b) {
-        return std::fabs(a - b) <= more * nearness.units * unit *
-                                       std::max({std::fabs(a), std::fabs(b), nearness.least});
+        return std::fabs(a - b) <=
+               more * nearness.units * ulp * std::max({std::fabs(a), std::fabs(b), nearness.least});
     };
     return is_near(p.x, q.x) && is_near(p.y, q.y);
 }

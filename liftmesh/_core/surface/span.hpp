@@ -101,7 +101,7 @@ class PixelFinder {
         for (const Point& p : corners) {
             const double x = p.x - grid_.c, y = p.y - grid_.f;
             const double column = x * column_x_ + y * column_y_, row = x * row_x_ + y * row_y_;
-            known &= std::isfinite(column) & std::isfinite(row);
+            known &= is_finite(Point{column, row});
             left = std::min(left, column), right = std::max(right, column);
             top = std::min(top, row), bottom = std::max(bottom, row);
         }

@@ -84,9 +84,9 @@ class Weigher {
 
     void put_ends(Point query, std::int32_t u, std::int32_t v) {
         if (before_xy(place_of(v), place_of(u))) std::swap(u, v);
-        const double share = share_between(place_of(u), place_of(v), query);
-        put(u, 1 - share);
-        put(v, share);
+        const double part = share_between(place_of(u), place_of(v), query);
+        put(u, 1 - part);
+        put(v, part);
     }
 
     void put_corners(Point query, std::int32_t simplex) {

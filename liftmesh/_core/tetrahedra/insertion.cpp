@@ -19,7 +19,9 @@ bool are_collinear(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c
 struct Stretch {
     Vertex first, last;
 
-    bool holds(Vertex v) const { return ((v >= first) & (v < last)) | (v == Tetrahedron::ghost); }
+    bool holds(Vertex v) const {
+        return (int{v >= first} & int{v < last}) | int{v == Tetrahedron::ghost};
+    }
     bool holds(const Tetrahedron& t) const {
         return holds(t.vertex[0]) & holds(t.vertex[1]) & holds(t.vertex[2]) & holds(t.vertex[3]);
     }

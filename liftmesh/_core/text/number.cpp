@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "third_party/fast_float.h"
+
 namespace liftmesh::text {
 
 namespace {
@@ -23,35 +25,10 @@ const char* parse_named(const char* at, const char* end, double& value) {
     return nullptr;
 }
 
-// The exponent behind the digits of a number, at most a few times the length of any file.
-std::int64_t exponent(const char* at, const char* end) {
-    constexpr std::int64_t most = std::int64_t{1} << 58;
-    const bool negative = at != end && *at == '-';
-    if (at != end && (*at == '-' || *at == '+')) ++at;
-    std::int64_t value = 0;
-    for (; at != end && value < most; ++at) value = 10 * value + (*at - '0');
-    return negative ? -value : value;
-}
-
-// Whether a number that is out of range is too large: its first digit that is not 0 stands before
-// the point. Otherwise it is too small.
-bool is_large(const char* at, const char* end) {
-    const char* const mantissa_end =
-        std::find_if(at, end, [](char c) { return c == 'e' || c == 'E'; });
-    const char* const point = std::find(at, mantissa_end, '.');
-    const char* const first =
-        std::find_if(at, mantissa_end, [](char c) { return c >= '1' && c <= '9'; });
-    std::int64_t place = first < point ? point - first : point + 1 - first;
-    if (mantissa_end != end) place += exponent(mantissa_end + 1, end);
-    return place > 0;
-}
-
+// What is out of range becomes infinity or 0.
 const char* parse_decimal(const char* at, const char* end, double& value) {
-    const auto [stop, error] = std::from_chars(at, end, value);
-    if (error == std::errc::invalid_argument) return nullptr;
-    if (error == std::errc::result_out_of_range)
-        value = is_large(at, stop) ? std::numeric_limits<double>::infinity() : 0.0;
-    return stop;
+    const auto [stop, error] = fast_float::from_chars(at, end, value);
+    return error == std::errc::invalid_argument ? nullptr : stop;
 }
 
 }  // namespace
@@ -211,7 +188,9 @@ Digits digits_of(float value) {
     Digits digits{text[0], {0, 0}, std::max<std::ptrdiff_t>(mark - text - 1, 1), 0};
     for (std::ptrdiff_t k = digits.count; k > 1; --k)  // nine digits at most
         digits.rest.early = digits.rest.early << 8 | static_cast<unsigned char>(text[k]);
-    digits.point = exponent(mark + 1, end) + 1;
+    int exponent = 0;
+    std::from_chars(mark + (mark[1] == '+' ? 2 : 1), end, exponent);
+    digits.point = exponent + 1;
     return digits;
 }
 

@@ -2,8 +2,8 @@
 //
 // What is a number is what Python's `float` takes without underscores and without digits of other
 // scripts: a sign, then digits with a point and an exponent, or inf, infinity or nan in any case.
-// std::from_chars rounds correctly, but takes no plus sign, takes nan(...), and gives no value
-// beyond the range of doubles.
+// fast_float rounds correctly, as std::from_chars does, which not every standard library has, and
+// takes three quarters of the time; but it takes no plus sign, and takes nan(...).
 #pragma once
 
 #include "base/standard.hpp"

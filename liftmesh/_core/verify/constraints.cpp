@@ -62,7 +62,7 @@ bool ConstrainedEdges::match(std::vector<FollowedEdge>& segments) {
             const Listed* at = std::lower_bound(start, end, Listed{high, 0});
             for (; at != end && at->end == high; ++at) {
                 FollowedEdge& found = segments[at->segment];
-                std::atomic_ref(found.reached).store(found.to, std::memory_order_relaxed);
+                platform::Shared(found.reached).store(found.to);
                 marked_[place] = 1;
             }
         }

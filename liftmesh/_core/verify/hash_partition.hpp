@@ -82,10 +82,10 @@ class Slots {
 
     // Safe for several threads.
     void add(std::uint64_t hash) {
-        const std::atomic_ref<std::uint64_t> shared(*word(hash));
+        const platform::Shared shared(*word(hash));
         const std::uint64_t one = std::uint64_t{1} << place(hash);
-        const std::uint64_t before = shared.fetch_or(one, std::memory_order_relaxed);
-        if (before & one) shared.fetch_or(one << 1, std::memory_order_relaxed);
+        const std::uint64_t before = shared.fetch_or(one);
+        if (before & one) shared.fetch_or(one << 1);
     }
 
     bool is_shared(std::uint64_t hash) { return *word(hash) >> place(hash) & 2; }

@@ -81,11 +81,9 @@ class Suspects {
             prefetch(std::min(t + ahead, last - 1));
             const int at = covering(t);
             if (at == no_corner) continue;
-            const std::atomic_ref<std::uint8_t> shared(marks_[mesh_.corner(3 * t + at)]);
-            const std::uint8_t bit =
-                shared.load(std::memory_order_relaxed) & covered ? several : covered;
-            if (shared.fetch_or(bit, std::memory_order_relaxed) & covered)
-                shared.fetch_or(several, std::memory_order_relaxed);
+            const platform::Shared shared(marks_[mesh_.corner(3 * t + at)]);
+            const std::uint8_t bit = shared.load() & covered ? several : covered;
+            if (shared.fetch_or(bit) & covered) shared.fetch_or(several);
         }
     }
 

@@ -282,8 +282,8 @@ class Verification {
 
     // Safe for several threads. Most bytes are set already, and are only read.
     static void mark(std::uint8_t& byte) {
-        const std::atomic_ref<std::uint8_t> shared(byte);
-        if (shared.load(std::memory_order_relaxed) == 0) shared.store(1, std::memory_order_relaxed);
+        const platform::Shared shared(byte);
+        if (shared.load() == 0) shared.store(1);
     }
 
     // Connected triangles without a hole have at most two vertices more than there are triangles.

@@ -67,7 +67,8 @@ def _place_of_nodes(count: int, parts: list[Rows]) -> Array:
         place[parts[k]] = k
     if np.bincount(place, minlength=len(parts)).all():
         return place
-    sparse, graphs = load("scipy.sparse"), load("scipy.sparse.csgraph")
+    sparse = load("scipy.sparse", extra="scipy")
+    graphs = load("scipy.sparse.csgraph", extra="scipy")
     part = np.repeat(np.arange(len(parts)), [each.size for each in parts])
     node = np.concatenate([each.reshape(-1) for each in parts])
     lies_on = sparse.coo_array((np.ones(len(node), np.bool_), (part, node)), (len(parts), count))

@@ -44,7 +44,7 @@ def write_ugrid(stream: BinaryIO, cloud: Cloud) -> None:
     if max(faces.nbytes, 8 * len(cloud)) >= _MOST:
         raise FormatError("NetCDF 3 has no arrays of 2 GiB, which this mesh needs: write VTU")
     content = io.BytesIO()  # which SciPy closes
-    file = load("scipy.io").netcdf_file(content, "w", mmap=False, version=2)
+    file = load("scipy.io", extra="scipy").netcdf_file(content, "w", mmap=False, version=2)
     file.Conventions = "CF-1.8 UGRID-1.0"
     for name, size in ((_NODES, len(cloud)), (f"{_MESH}_nFaces", len(faces)), (_CORNERS, 3)):
         file.createDimension(name, size)

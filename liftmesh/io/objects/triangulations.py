@@ -87,7 +87,7 @@ class Triangulated(Protocol):
 
 def to_delaunay(triangulation: Triangulated) -> scipy.spatial.Delaunay:
     """Convert a triangulation to ``scipy.spatial.Delaunay``, for code that requires this class."""
-    made = load("scipy.spatial").Delaunay
+    made = load("scipy.spatial", extra="scipy").Delaunay
     result = made.__new__(made)
     result.__dict__.update({name: getattr(triangulation, name) for name in _SHARED})
     result.__dict__.update(

@@ -117,7 +117,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_trimesh().faces.shape
     (1, 3)
     """
-    library = load("trimesh")
+    library = load("trimesh", extra="trimesh")
     with preserve_signals():
         mesh: trimesh.Trimesh = library.Trimesh(**_of_mesh(cloud))
     return mesh
@@ -125,7 +125,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
 
 def to_points(cloud: Cloud) -> trimesh.PointCloud:
     """Convert the rows of a cloud to a trimesh point cloud."""
-    library = load("trimesh")
+    library = load("trimesh", extra="trimesh")
     with preserve_signals():
         points: trimesh.PointCloud = library.PointCloud(**_of_points(cloud))
     return points

@@ -8,9 +8,9 @@ Shown are seconds of the processor, on one thread where libraries can be told: t
 rounds, each in a process of its own, in which both take turns. A first call does not count, unless
 it takes long. What is made before (points as the
 library's own objects) does not count, what comes out (meshes, geometries, finders) does. A dash
-stands for a library that is missing or fails, > for one that takes longer than `--limit`; on larger
-sizes it is not asked again. Polygons have a ring of as many corners: on a circle, or a coast with
-bays of all sizes; with liftmesh every triangle is constrained Delaunay.
+stands for a call that fails, whose error is shown, > for one that takes longer than `--limit`; on
+larger sizes it is not asked again. Polygons have a ring of as many corners: on a circle, or a coast
+with bays of all sizes; with liftmesh every triangle is constrained Delaunay.
 
 Needs the libraries: pip install -e '.[bench]'.
 """
@@ -184,6 +184,7 @@ def once(work: Work, call: str, n: int, options: Namespace) -> Taken:
     if done.returncode < 0:
         return Taken(None, f"> {options.limit:,.0f}")
     if done.returncode:
+        print(done.stderr.decode(errors="replace").strip().splitlines()[-1], file=sys.stderr)
         return Taken(None, "-")
     seconds, count = json.loads(done.stdout.splitlines()[-1])
     return Taken(seconds, f"{seconds:#.3g}".rstrip("."), count)

@@ -4,7 +4,7 @@
     python scripts/bench.py tiles --n 1000000 --tile-rows 150000 --distributions uniform circle
     python scripts/bench.py tiles --workers 1 2      and on as many workers of Dask
     python scripts/bench.py tiles --formats --verify in each format, and proved
-    python scripts/bench.py tiles --all              every table of TILES.md: an hour, 12 GB of disk
+    python scripts/bench.py tiles --all              every table of the page: an hour, 12 GB of disk
 
 Each way reads the same NPY file and writes its triangles with 64-bit rows, in a process of its own:
 one call of `delaunay`, `tile`, and `liftmesh.dask.delaunay` on clusters of processes. Shown are the
@@ -55,7 +55,7 @@ COLUMNS = (
     "triangles",
 )
 SHOWN = sorted({*FAMILIES} - {"mixed-magnitudes", "tenth-lattice", "parabola", "spiral"})
-ALL = (  # the tables of TILES.md, in its order
+ALL = (  # the tables of docs/guide/tiles-planning.md, in its order
     "--workers 1 2",
     "--n 100000000 --workers 1 2 --verify",
     f"--n 2000000 --tile-rows 150000 --distributions {' '.join(SHOWN)}",
@@ -100,7 +100,7 @@ def compare(options: Namespace) -> None:
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse the options of one table of TILES.md."""
+    """Parse the options of one table of tiles-planning.md."""
     parser = ArgumentParser()
     add_options(parser)
     return parser.parse_args(words)
@@ -115,7 +115,7 @@ def add_options(parser: ArgumentParser) -> None:
     add("--margins", action="store_true", help="tiles with buffers, too")
     add("--formats", action="store_true", help="Parquet, PLY and neighbours, too")
     add("--verify", action="store_true", help="and the proof")
-    add("--all", action="store_true", help="every table of TILES.md")
+    add("--all", action="store_true", help="every table of tiles-planning.md")
     add("--folder", metavar="FOLDER", help="where files are written")
 
 

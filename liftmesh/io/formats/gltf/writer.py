@@ -131,7 +131,7 @@ def _file(
         normals = vertex_normals(points, cloud.faces)
     shown = Cloud(points, normals=normals, faces=cloud.faces)
     geometry = to_mesh(shown) if has_faces else to_points(shown)
-    file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
+    file = File.of(load("trimesh", extra="trimesh").Scene(geometry).export(file_type="glb"))
     if cloud.colors is not None and texture is None:  # viewers would multiply both
         file.add("COLOR_0", as_light(cloud.colors))
     file.shade()

@@ -18,7 +18,6 @@ survive that, and lazrs would wait for its own for ever.
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import accumulate
@@ -28,6 +27,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.base.platform import after_fork
 from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.columns import COLOR, POSITION, CloudBuilder, built_in_chunks
 from liftmesh.io.formats.las.header import (
@@ -236,7 +236,7 @@ WAVE_PACKETS = (
 BLOCK = 1 << 18  # points decoded at a time
 
 _forked: list[bool] = []
-os.register_at_fork(after_in_child=lambda: _forked.append(True))
+after_fork(lambda: _forked.append(True))
 
 
 class Points:
