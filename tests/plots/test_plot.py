@@ -149,6 +149,7 @@ def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
 def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 100)
     rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
     tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
     ours, other = (each.plot(contours=0.5) for each in (tiled, liftmesh.triangulate(rows)))
@@ -164,7 +165,6 @@ def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
     cuts = sum(path.stem.startswith("tile") for path in tiled.shards) - 1
     assert len(ends) == across + cuts
     monkeypatch.setattr(drawn, "_MOST_SEAMS", 0)
-    monkeypatch.setattr(drawn, "PIXELS", 20)
     assert len(segments(tiled.plot(contours=False))) == cuts
     assert not segments(tiled.plot(contours=False, tiles=False))
     done = command("plot", "tiles", "a.svg", "--tiles", "--no-contours", cwd=tmp_path)
