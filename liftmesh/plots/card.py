@@ -78,6 +78,8 @@ def _picture_of(result: Any) -> Picture | None:
     """Return a picture of what has cells, or triangles in the plane; of others none."""
     if isinstance(cells := getattr(result, "cells", None), ClippedCells):
         return _picture_of(cells)
+    if hasattr(result, "ridge_ends"):  # of liftmesh.scipy, which loads SciPy
+        return _diagram(result)
     points, faces = getattr(result, "points", None), getattr(result, "simplices", None)
     if not (isinstance(points, np.ndarray) and points.ndim == 2 and isinstance(faces, np.ndarray)):
         return None
@@ -136,6 +138,10 @@ def _(result: ClippedCells) -> Picture | None:
 
 @_picture_of.register
 def _(result: Unclipped) -> Picture | None:
+    return _diagram(result)
+
+
+def _diagram(result: Any) -> Picture:
     rows = pictures.nearest(result.points)
     box = Box(planar_bounds(result.points[rows]), margin=16)
     is_near = np.zeros(len(result.points), np.bool_)
