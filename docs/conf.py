@@ -6,7 +6,7 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docstrings import Looked
-from links import ROOT
+from links import ROOT, address
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -74,6 +74,12 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
+if source := address("Source"):
+    html_theme_options["icon_links"] = [
+        {"name": "Source", "url": source, "icon": "fa-solid fa-code"}
+    ]
+    html_theme_options["navbar_end"] = ["theme-switcher", "navbar-icon-links"]
+html_baseurl = address("Documentation") or ""
 html_context = {"default_mode": "auto"}
 html_title = f"liftmesh {release}"
 html_static_path = ["_static"]
