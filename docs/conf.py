@@ -62,6 +62,8 @@ sphinx_gallery_conf = {
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 
+toc_object_entries_show_parents = "hide"
+
 html_theme = "pydata_sphinx_theme"
 html_theme_options = {
     "collapse_navigation": True,
