@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -98,6 +99,17 @@ def test_what_cannot_be_drawn_is_told() -> None:
         liftmesh.plot(object())
 
 
+def test_names_that_would_be_formulas_and_results_of_nothing() -> None:
+    name = "$\\bad{$"
+    hill = liftmesh.triangulate(liftmesh.Cloud(HILL, attributes={name: HILL[:, 2]}))
+    for ax in (hill.plot(values=name), hill.raster(1, values=name).plot()):
+        ax.figure.savefig(io.BytesIO())
+        assert name in [each.get_ylabel() for each in ax.figure.axes]
+    nowhere = hill.profile([[90, 90], [99, 99]])
+    for empty in (hill.contours([99]), nowhere, liftmesh.Cloud(np.full((5, 3), np.nan))):
+        liftmesh.plot(empty).figure.savefig(io.BytesIO())
+
+
 def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:
     hill = liftmesh.triangulate(HILL)
     with pytest.raises(InputError, match="cmap is 'nothing': give a name of"):
@@ -149,6 +161,7 @@ def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
 def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 100)
     rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
     tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
     ours, other = (each.plot(contours=0.5) for each in (tiled, liftmesh.triangulate(rows)))
@@ -164,7 +177,6 @@ def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
     cuts = sum(path.stem.startswith("tile") for path in tiled.shards) - 1
     assert len(ends) == across + cuts
     monkeypatch.setattr(drawn, "_MOST_SEAMS", 0)
-    monkeypatch.setattr(drawn, "PIXELS", 20)
     assert len(segments(tiled.plot(contours=False))) == cuts
     assert not segments(tiled.plot(contours=False, tiles=False))
     done = command("plot", "tiles", "a.svg", "--tiles", "--no-contours", cwd=tmp_path)
@@ -183,17 +195,28 @@ def test_tiles_are_drawn_by_their_cuts(tmp_path: Path) -> None:
         whole.plot()
 
 
-def test_a_diagram_is_drawn_with_its_rays() -> None:
+@pytest.mark.parametrize("kind", ["unclipped", "scipy", "furthest"])
+def test_a_diagram_is_drawn_with_its_rays(kind: str) -> None:
     sites = RNG.random((30, 2))
-    whole = liftmesh.voronoi(sites).unclipped
+    far = kind == "furthest"
+    whole: Any = liftmesh.voronoi(sites).unclipped
+    if kind != "unclipped":
+        whole = liftmesh.scipy.Voronoi(sites, furthest_site=far)
+    assert "<svg" in whole._repr_html_()
     ends = np.array(segments(whole.plot()))
     assert len(ends) == len(whole.ridge_points)
-    order = [*np.flatnonzero(whole.ridge_ends[:, 0] >= 0), *whole.rays[0]]
+    is_ray = whole.ridge_ends[:, 0] < 0
+    order = [*np.flatnonzero(~is_ray), *np.flatnonzero(is_ray)]
     apart = np.linalg.norm(ends[:, :, None] - sites[whole.ridge_points[order]][:, None], axis=3)
     assert np.allclose(apart[..., 0], apart[..., 1], rtol=1e-6)
-    nearest = np.linalg.norm(ends[:, :, None] - sites, axis=3).min(axis=2)
-    assert np.allclose(nearest, apart[..., 0], rtol=1e-6)
+    to_all = np.linalg.norm(ends[:, :, None] - sites, axis=3)
+    extreme = to_all.max(axis=2) if far else to_all.min(axis=2)
+    assert np.allclose(extreme, apart[..., 0], rtol=1e-6)
+
+
+def test_a_diagram_of_sites_on_a_line_has_lines() -> None:
     lines = liftmesh.voronoi([[0, 0], [1, 1], [2, 2]]).unclipped.plot()
+    assert len(segments(lines)) == 2
     for piece in segments(lines):
         assert np.ptp(piece.sum(axis=1)) == pytest.approx(0, abs=1e-9)
 
