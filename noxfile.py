@@ -14,6 +14,8 @@ nox.options.default_venv_backend = "none"
 nox.options.sessions = ["fast"]
 
 PYTEST = (".venv-test/bin/python", "-m", "pytest", "-n", "auto", "--dist", "worksteal")
+INSTALL = (".venv-test/bin/python", "-m", "pip", "install", "-q")
+SITE = nox.project.load_toml("pyproject.toml")["project"]["optional-dependencies"]["docs"]
 MUTATION = "cosmic-ray>=8.3"  # no wheel of what it needs: only for this
 CAMPAIGNS = (  # each runs for some minutes by itself
     "fuzz kernel --seconds 600",
@@ -42,6 +44,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "sweep --long",
     "soak",
     "mutants.py",
+    "docs --fresh",
     "library",
 )
 
@@ -68,17 +71,15 @@ def full(session: nox.Session) -> None:
 @nox.session(requires=["dev"])
 def docs(session: nox.Session) -> None:
     """Build the site of documentation, with the pictures of its gallery, in out/docs/html."""
-    python = ".venv-test/bin/python"
-    needed = nox.project.load_toml("pyproject.toml")["project"]["optional-dependencies"]
-    session.run(python, "-m", "pip", "install", "-q", *needed["docs"], external=True)
-    session.run(python, "scripts/docs", *session.posargs, external=True)
+    session.run(*INSTALL, *SITE, external=True)
+    session.run(".venv-test/bin/python", "scripts/docs", *session.posargs, external=True)
 
 
 @nox.session(requires=["dev"])
 def nightly(session: nox.Session) -> None:
     """Run what takes hours: the tests of campaigns, new examples, and the campaigns of scripts/."""
     seed = random.SystemRandom().randrange(2**32)
-    session.run(".venv-test/bin/python", "-m", "pip", "install", "-q", MUTATION, external=True)
+    session.run(*INSTALL, MUTATION, *SITE, external=True)
     session.run(*PYTEST, "-m", "campaign", "tests", external=True)
     new = ("--hypothesis-profile=new", f"--hypothesis-seed={seed}")
     session.run(*PYTEST, "-m", "hypothesis", *new, "tests", external=True)

@@ -19,6 +19,7 @@ smartquotes = False  # they would spoil words of commands and of Python
 
 extensions = [
     "docstrings",
+    "names",
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
@@ -51,10 +52,11 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "download_all_examples": False,
-    "min_reported_time": 1000,
+    "notebook_extensions": set(),
     "remove_config_comments": True,
     "show_signature": False,
     "show_memory": False,
+    "write_computation_times": False,
 }
 
 myst_enable_extensions = ["colon_fence", "deflist"]

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
 from liftmesh.base.arrays import edges_of_faces, pair_keys, pairs_of_keys, read_only, widened
+from liftmesh.base.display import Plotted
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.errors import InputError
 from liftmesh.optional import load
@@ -255,7 +256,7 @@ def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
     return indptr, others.astype(np.int32)
 
 
-class Voronoi(Lists, spatial.Voronoi):  # type: ignore[misc]
+class Voronoi(Lists, Plotted, spatial.Voronoi):  # type: ignore[misc]
     """Drop-in replacement for ``scipy.spatial.Voronoi``, and an instance of it.
 
     The topology is exact: sites on one circle share one vertex, and no region is lost at any

@@ -10,14 +10,14 @@ import matplotlib.pyplot as plt
 
 import liftmesh
 
-terrain = liftmesh.triangulate("../../data/jacksboro.ply", bounds=(9000, 11000, 17000, 16500))
-shade = terrain.raster(25, quantity="hillshade", interpolation="linear")
-lines = terrain.contours(interval=20, smooth=5).longer_than(500)
+terrain = liftmesh.triangulate("../../data/jacksboro.ply", bounds=(4000, 8000, 20000, 19000))
+shade = terrain.raster(20, quantity="hillshade")
+lines = terrain.contours(interval=50, smooth=10).longer_than(500)
 
 figure, ax = plt.subplots(figsize=(9, 6.2))
 left, bottom, right, top = shade.bounds
 ax.imshow(shade.values, cmap="gray", vmin=-60, extent=(left, right, bottom, top))
 for line in lines:
-    ax.plot(*line.points.T, color="#8a4b1f", linewidth=1.3 if line.is_index else 0.5)
-ax.set_title("The Jacksboro fault: contours every 20 m, index lines every 100 m")
+    ax.plot(*line.points.T, color="#8a4b1f", linewidth=1.2 if line.is_index else 0.4)
+ax.set_title("The Jacksboro fault: contours every 50 m, index lines every 250 m")
 plt.show()

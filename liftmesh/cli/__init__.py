@@ -25,7 +25,6 @@ from liftmesh.cli.signals import (
 )
 from liftmesh.cli.wording import worded
 from liftmesh.errors import DataWarning
-from liftmesh.optional import load
 
 __all__ = ["main", "program"]
 
@@ -102,6 +101,8 @@ def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
     if words == ["doctor"]:  # which says what is missing: click, perhaps
         return import_module("liftmesh.cli.doctor").run()
+    from liftmesh.optional import load
+
     load("click", extra="cli")
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.application").complete(words[0], words[1:])

@@ -29,7 +29,7 @@ from liftmesh.planar.triangulation import Triangulation
 from liftmesh.plots import pictures
 from liftmesh.plots.drawing import ACCENT
 from liftmesh.plots.figures import USES, figures_of
-from liftmesh.plots.pictures import Box, Picture
+from liftmesh.plots.pictures import Box, Picture, UnseenError
 from liftmesh.raster.raster import Raster
 from liftmesh.space.tetrahedralization import Tetrahedralization
 from liftmesh.terrain.contours import Contours
@@ -50,7 +50,10 @@ _USE_COLORS = (pictures.GREEN, "#cdbb79", "#d68c45", ACCENT, "#8a7fb5", "#8f8f8f
 
 def card(result: Any) -> str:
     """Return HTML of less than 100 kB, in which no name or value is markup."""
-    picture = _picture_of(result)
+    try:
+        picture = _picture_of(result)
+    except (UnseenError, LiftmeshError, OSError):  # or the folder of tiles is gone
+        picture = None
     figures = {name: text for name, text in figures_of(result).items() if text}
     rows = "".join(
         f"<tr><td {_CELL}>{escape(name)}</td><td {_CELL}>{escape(_short(text))}</td></tr>"
@@ -73,6 +76,8 @@ def _picture_of(result: Any) -> Picture | None:
     """Return a picture of what has cells, or triangles in the plane; of others none."""
     if isinstance(cells := getattr(result, "cells", None), ClippedCells):
         return _picture_of(cells)
+    if hasattr(result, "ridge_ends"):  # of liftmesh.scipy, which loads SciPy
+        return _diagram(result)
     points, faces = getattr(result, "points", None), getattr(result, "simplices", None)
     if not (isinstance(points, np.ndarray) and points.ndim == 2 and isinstance(faces, np.ndarray)):
         return None
@@ -91,8 +96,6 @@ def _(result: Cloud) -> Picture | None:
 @_picture_of.register
 def _(result: Surface) -> Picture | None:
     box = Box(result.bounds)
-    if not box.is_known:
-        return None
     return Picture(pictures.image(pictures.relief(result.sample(box.grid()))))
 
 
@@ -125,8 +128,6 @@ def _(result: ClippedCells) -> Picture | None:
     ring = places(rings[part], rings[part + 1] - rings[part])[: 2 * pictures.MOST]
     shapes = [result.corners[starts[k] : starts[k + 1]] for k in ring.tolist()]
     box = Box(planar_bounds(np.concatenate([*shapes, np.empty((0, 2))])), margin=4)
-    if not box.is_known:
-        return None
     sites = pictures.path(box, result.points[rows][:, None], **pictures.DOT)
     drawn = pictures.path(box, shapes, closed=True, **pictures.PALE)
     note = pictures.part_of(len(rows), len(result.points), "cells")
@@ -135,10 +136,12 @@ def _(result: ClippedCells) -> Picture | None:
 
 @_picture_of.register
 def _(result: Unclipped) -> Picture | None:
+    return _diagram(result)
+
+
+def _diagram(result: Any) -> Picture:
     rows = pictures.nearest(result.points)
     box = Box(planar_bounds(result.points[rows]), margin=16)
-    if not box.is_known:
-        return None
     is_near = np.zeros(len(result.points), np.bool_)
     is_near[rows] = True
     ridges = (result.ridge_ends >= 0).all(axis=1) & is_near[result.ridge_points].any(axis=1)
@@ -201,8 +204,8 @@ def _(result: Certificate) -> Picture | None:
     """Mark where flaws are, or say by a sign that there are none."""
     found = [point[:2] for flaw in result.flaws for each in flaw.first for point in each.points]
     marks = np.array(found, float).reshape(-1, 2)
-    box = Box(planar_bounds(marks), margin=12)
-    if len(marks) and box.is_known:
+    if len(marks := marks[np.isfinite(marks).all(axis=1)]):
+        box = Box(planar_bounds(marks), margin=12)
         cross = {**pictures.DOT, "stroke-width": 8}
         return Picture(pictures.svg(box, pictures.path(box, marks[:, None], **cross)), "flaws")
     sign, color = (
@@ -218,13 +221,8 @@ def _(result: Certificate) -> Picture | None:
 
 @_picture_of.register
 def _(result: TiledData) -> Picture | None:
-    try:
-        cuts, bounds = cuts_of(result)
-    except (LiftmeshError, OSError):  # the folder is gone, or was changed
-        return None
+    cuts, bounds = cuts_of(result)
     box = Box(bounds, margin=2)
-    if not box.is_known:
-        return None
     left, low, right, high = bounds
     frame = np.array([[left, low], [right, low], [right, high], [left, high]])
     shown = cuts[: 2 * pictures.MOST]

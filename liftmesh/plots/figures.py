@@ -42,6 +42,8 @@ USES = ("used", "duplicates", "overhangs", "skipped", "hidden", "unused")
 @singledispatch
 def figures_of(result: Any) -> dict[str, str]:
     """Return the fields that are numbers or words, and the shapes of arrays."""
+    if hasattr(result, "ridge_ends"):  # of liftmesh.scipy, which loads SciPy
+        return _of_diagram(result)
     if not is_dataclass(result):
         return {"": repr(result).strip("<>")}
     named = {each.name: getattr(result, each.name) for each in fields(result)}
@@ -180,8 +182,14 @@ def _(result: ClippedCells) -> dict[str, str]:
 @figures_of.register
 def _(result: Unclipped) -> dict[str, str]:
     return {
-        "rows": _number(len(result.points)),
         "cells": _number(len(result.region_vertices[0]) - 1),
+        **_of_diagram(result),
+    }
+
+
+def _of_diagram(result: Any) -> dict[str, str]:
+    return {
+        "rows": _number(len(result.points)),
         "vertices": _number(len(result.vertices)),
         "ridges": _number(len(result.ridge_points)),
         **_spans(result.points, None),

@@ -45,6 +45,10 @@ class Picture(NamedTuple):
     note: str = ""
 
 
+class UnseenError(Exception):
+    """There is nothing to see: no place is finite, or they are farther apart than the doubles."""
+
+
 class Box:
     """Where places are on a picture: to scale, unless they are much wider than high."""
 
@@ -55,8 +59,9 @@ class Box:
             least = max(abs(left), abs(low), 1.0) * 1e-9
             step = np.maximum(size / (SIDE - 2 * margin), least if size.max() <= 0 else 0)
             step = np.full(2, step.max()) if to_scale else np.where(step > 0, step, 1)
-            self.is_known = bool(np.isfinite(step).all() and (step > 0).all())
-            inner = size / step if self.is_known else size
+            inner = size / step
+        if not np.isfinite(inner).all():
+            raise UnseenError
         shape = np.maximum(inner + 2 * margin, [_SHORT, _SHORT])
         self.shape = shape if to_scale else np.array([SIDE, SIDE * 0.6])
         self.step = step if to_scale else step * [1, 1 / 0.55]
@@ -162,14 +167,12 @@ def _light(shares: Floats, is_known: Array) -> Floats:
     return shades
 
 
-def dots(points: Floats, heights: Floats, colors: Array | None = None) -> Picture | None:
+def dots(points: Floats, heights: Floats, colors: Array | None = None) -> Picture:
     """Draw points, few as dots and many as pixels, by height or in their own colours."""
     every = max(1, -(-len(points) // _MOST_SAMPLED))
     shown = np.flatnonzero(np.isfinite(points[::every]).all(axis=1)) * every
     places, note = points[shown], f"one in {every} of {len(points):,} rows" if every > 1 else ""
     box = Box(planar_bounds(places), margin=_MARGIN)
-    if not box.is_known:
-        return None
     if len(places) <= _MOST_DOTS:
         return Picture(svg(box, path(box, places[:, None], **{**DOT, "stroke": GREEN})), note)
     share = np.clip(np.sqrt(len(places)) / 150, 0.2, 1.0)
@@ -203,15 +206,11 @@ def nearest(points: Floats, count: int = MOST) -> Array:
     return np.sort(np.argpartition(away, count)[:count])
 
 
-def mesh(points: Floats, faces: Rows, forced: Rows | None = None) -> Picture | None:
+def mesh(points: Floats, faces: Rows, forced: Rows | None = None) -> Picture:
     """Draw triangles, of many those in the middle, and edges that are forced."""
-    if not len(faces):
-        return None
     shown = faces[nearest(points.take(faces[:, 0], axis=0))]
     used = np.unique(shown)
     box = Box(planar_bounds(points[used]), margin=_MARGIN)
-    if not box.is_known:
-        return None
     shapes = [path(box, points[shown], closed=True, **PALE)]
     if forced is not None and len(forced):
         is_used = np.zeros(len(points), np.bool_)
@@ -226,11 +225,9 @@ def part_of(shown: int, count: int, what: str) -> str:
     return "" if shown == count else f"{shown:,} of {count:,} {what}, in the middle"
 
 
-def solid(points: Floats, faces: Rows) -> Picture | None:
+def solid(points: Floats, faces: Rows) -> Picture:
     """Draw faces in space, seen from the south-west, or the points of very many."""
     used = np.unique(faces)
-    if not len(used):
-        return None
     x, y, z = points[used].T
     across, away = x * np.cos(_TURN) - y * np.sin(_TURN), x * np.sin(_TURN) + y * np.cos(_TURN)
     seen = np.column_stack([across, z * np.cos(_TILT) + away * np.sin(_TILT)])
@@ -238,8 +235,6 @@ def solid(points: Floats, faces: Rows) -> Picture | None:
     if len(faces) > MOST:
         return dots(seen, -depth)
     box = Box(planar_bounds(seen), margin=_MARGIN)
-    if not box.is_known:
-        return None
     corners = np.searchsorted(used, faces)
     order = np.argsort(-depth[corners].mean(axis=1))
     first, second, third = (points[faces[:, k]] for k in range(3))
@@ -257,11 +252,9 @@ def solid(points: Floats, faces: Rows) -> Picture | None:
 
 def polylines(
     points: Floats, starts: Array, strong: Array | None = None, *, to_scale: bool = True
-) -> Picture | None:
+) -> Picture:
     """Draw lines by the pixels that they go through: the longest of very many."""
     box = Box(planar_bounds(points), margin=_MARGIN, to_scale=to_scale)
-    if not box.is_known or not len(points):
-        return None
     pixels = box.pixels(points)
     for size in _COARSE:
         lines = _thinned(points, pixels / size, starts)

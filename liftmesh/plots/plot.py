@@ -67,8 +67,8 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
     Parameters
     ----------
     result : Surface, TiledSurface, Raster, Contours, Profile, Triangulation, Cells or Certificate
-        What is drawn; also the `Cells.unclipped`, and a `Tiled` by the cuts between its tiles.
-        Clouds are drawn as points, coloured by height.
+        What is drawn; also `Cells.unclipped`, a planar `liftmesh.scipy.Voronoi`, and a `Tiled` by
+        the cuts between its tiles. Clouds are drawn as points, coloured by height.
     ax : matplotlib.axes.Axes, optional
         Where; by default the axes of a new figure, which no window shows: ``ax.figure.savefig``.
     **style
@@ -111,6 +111,8 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
 
 @singledispatch
 def _plot(result: Any, ax: Axes | None, **style: Any) -> Axes:
+    if hasattr(result, "ridge_ends"):  # of liftmesh.scipy, which loads SciPy
+        return _diagram(result, ax, **style)
     cloud = as_cloud(result)
     points = cloud.points[np.isfinite(cloud.points).all(axis=1)]
     ax = new_axes(ax)
@@ -278,20 +280,25 @@ def _(result: ClippedCells, ax: Axes | None, **style: Any) -> Axes:
 
 @_plot.register(Unclipped)
 def _(result: Unclipped, ax: Axes | None, **style: Any) -> Axes:
-    """Draw rays, and lines, as far as they are seen."""
+    return _diagram(result, ax, **style)
+
+
+def _diagram(result: Any, ax: Axes | None, **style: Any) -> Axes:
+    """Draw a diagram in the whole plane, its rays and lines as far as they are seen."""
     ax = new_axes(ax)
     bounds = _wide(planar_bounds(result.points), 0.15)
-    ridges, ways = result.rays
-    last = result.ridge_ends[ridges, 1]
-    middles = result.points[result.ridge_points[ridges]].mean(axis=1)
-    ways = ways * (np.hypot(*np.subtract(bounds[2:], bounds[:2])) / np.hypot(*ways.T)[:, None])
+    is_ray = result.ridge_ends[:, 0] < 0
+    one, other = result.points[result.ridge_points[is_ray]].transpose(1, 0, 2)
+    x, y = (one - other if result.furthest_site else other - one).T
+    reach = np.hypot(bounds[2] - bounds[0], bounds[3] - bounds[1]) / np.hypot(x, y)
+    ways, middles = np.column_stack([y, -x]) * reach[:, None], (one + other) / 2
+    last = result.ridge_ends[is_ray, 1]
     is_line = (last < 0)[:, None]
-    begins = middles if not len(result.vertices) else result.vertices[last]
+    begins = result.vertices[last] if len(result.vertices) else middles
     rays = np.stack(
         [np.where(is_line, middles - ways, begins), np.where(is_line, middles, begins) + ways], 1
     )
-    is_finite = result.ridge_ends[:, 0] >= 0
-    ends = np.concatenate([result.vertices[result.ridge_ends[is_finite]], rays])
+    ends = np.concatenate([result.vertices[result.ridge_ends[~is_ray]], rays])
     segments(ax, ends, style, color=INK, linewidth=0.7)
     return planar(_sites(result.points, ax), bounds, None)
 

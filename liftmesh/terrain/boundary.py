@@ -26,12 +26,15 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Pinched, as_number, as_positive, as_switch, check_option
 from liftmesh.errors import DataWarning, InputError, Option
+from liftmesh.optional import load
 from liftmesh.planar.alpha import radii_of
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.measures import planar_areas
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners, slope_scale
 from liftmesh.vector.polygons import contains, polygons_in
 
 _LEAST_WALL = 1.0  # mm
+_SLIVER = 10  # times longer than wide
 
 
 def trim(
@@ -245,7 +248,9 @@ def closed_solid(
     -----
     DataWarning
         With ``longest``: the thinnest wall, measured upright above a flat base and across the faces
-        of a shell, has less than 1 mm.
+        of a shell, has less than 1 mm. A face that is steep for no longer than the wall is thick
+        makes no thin wall; and faces along the boundary that are ten times longer there than wide,
+        with those behind them, do not count.
 
     See Also
     --------
@@ -310,6 +315,28 @@ def _warned(wall: float) -> float:
     return wall
 
 
+def _apart(corners: Floats, gap: float) -> Floats:
+    """Compute the distances of faces, (m, 3, 3), from copies that are so much lower.
+
+    It is that of the copy's way up from all differences of two points of the face: a hexagon.
+    """
+    a, b, c = np.moveaxis(corners, 1, 0)
+    normals = np.cross(b - a, c - a)
+    lengths = np.sqrt((normals * normals).sum(axis=1))
+    normals /= np.where(lengths > 0, lengths, np.inf)[:, None]
+    up, upright = np.array([0, 0, gap]), gap * normals[:, 2]
+    foot = up - upright[:, None] * normals
+    is_inside, found = np.ones(len(a), np.bool_), np.full(len(a), np.inf)
+    hexagon = [b - a, c - a, c - b, a - b, a - c, b - c]
+    for tail, head in zip(hexagon, [*hexagon[1:], hexagon[0]], strict=True):
+        side = head - tail
+        is_inside &= (normals * np.cross(side, foot - tail)).sum(axis=1) >= 0
+        share = ((up - tail) * side).sum(axis=1) / (side * side).sum(axis=1)
+        apart = tail + np.clip(share, 0, 1)[:, None] * side - up
+        found = np.minimum(found, np.sqrt((apart * apart).sum(axis=1)))
+    return np.where(is_inside, upright, found)
+
+
 def _rise(
     surface: SurfaceData, top: Rows, longest: float, z_factor: float | None
 ) -> tuple[float, float]:
@@ -370,14 +397,26 @@ class _Parts:
         return np.concatenate([upper, lower])
 
     def thinnest(self, points: Floats, rise: float) -> float:
-        """Return the thinnest wall: upright, or across the faces of a shell."""
+        """Return the thinnest wall: upright, or between the faces of a shell and those below.
+
+        It is exact between a face and its own copy, where small ones have no foot of the
+        perpendicular; between others it is that of vertices. A triangulation has long thin faces
+        along its hull, which are as steep as they are thin: they do not count.
+        """
         gap = float((self.heights - self.lower).min()) * rise
         if self.is_flat:
             return gap
-        a, b, c = np.moveaxis(points[self._above()], 1, 0)
-        normals = np.cross(b - a, c - a)
-        lengths = np.sqrt((normals * normals).sum(axis=1))
-        return gap * float((normals[:, 2] / np.where(lengths > 0, lengths, np.inf)).min())
+        top = points[: len(self.top)]
+        near, _ = load("scipy.spatial").KDTree(top - (0, 0, gap)).query(top)
+        apart = _apart(top[self._above()], gap)[~self._slivers()]
+        return float(min(near.min(), apart.min(initial=np.inf)))
+
+    def _slivers(self) -> Array:
+        """Tell which faces are along the boundary, and far longer there than wide."""
+        tri, gone = self.surface.triangulation, mask_of(self.surface)
+        corners = tri.points.take(tri.simplices, axis=0)
+        is_long = _sides(corners) ** 2 > _SLIVER * 2 * planar_areas(corners)[:, None]
+        return _from_rim(self.surface, is_long, gone.copy())[~gone]
 
     def scaled(self, scale: float, rise: float) -> Floats:
         """Return them in the plane of the surface, scaled, from 0 on."""

@@ -8,7 +8,6 @@ are split (`cutting.py`).
 
 from __future__ import annotations
 
-from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import check_progress, part_of
 from liftmesh.errors import InputError
+from liftmesh.planar.planarity import are_planar
 from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, in_space
 from liftmesh.terrain.cutting import Layer, Overlay
@@ -69,6 +69,9 @@ def difference(
         The surfaces are over different planes or in different coordinate systems, have no area in
         common, or are one of ground and one of a file without any, of which all rows were read; or
         a difference is beyond the largest double.
+    CrossingError
+        Sides of faces as thin as the rounding of their corners are nearer to each other than
+        doubles can tell apart.
 
     See Also
     --------
@@ -99,7 +102,7 @@ def difference(
     check_exact(surface.frame)
     check_progress(progress)
     laid = overlay_mesh(surface, other, threads, part_of(progress, 0.0, _LAID))
-    found = None if laid is None else _over(surface, laid)
+    found = None if laid is None else _over(surface, laid, threads)
     if found is None:
         return _by_constraints(surface, other, part_of(progress, _LAID, 1.0))
     if progress is not None:
@@ -107,14 +110,17 @@ def difference(
     return found
 
 
-def _over(surface: SurfaceData, laid: OverlayMesh) -> Surface | None:
+def _over(surface: SurfaceData, laid: OverlayMesh, threads: int | None) -> Surface | None:
     """Make a surface of an overlay; None if faces of it overlap."""
     points = in_space(surface.frame, laid.points, _finite(laid.rises))
     told = {"rows_at_crossings": laid.crossings, "displacement": laid.displacement}
     if laid.triangulation is None:
-        with suppress(InputError):
+        try:
             return _of_mesh(surface, points, laid.faces, told)
-        return None
+        except InputError:
+            if are_planar(laid.points, laid.faces, threads):
+                raise
+            return None
     return Surface(
         vertices=points,
         faces=laid.faces,

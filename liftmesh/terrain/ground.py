@@ -73,6 +73,7 @@ _GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"
 _NOISE = (7, 18)
 _MOST_NODES = 20_000_000  # of the cloth: CSF takes about 200 bytes for each
+_MANY_NODES, _NODES_OF_ROW = 1_000_000, 100  # which take 5 s; beyond both, rows are too few
 _NODES_OF_CELL, _ROWS_OF_CELL = 5, 5
 _MOST_BARE = 0.1  # share of cells; large roofs leave some
 _MARGIN = 8  # nodes beyond the rows, on both sides together
@@ -108,7 +109,8 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     algorithm : {"csf", "tin"}, default "csf"
         The cloth simulation filter, or progressive densification of a triangulation (TIN).
     cloth_resolution : float, optional
-        Distance between the nodes of the cloth, in metres; 0.5 unless given.
+        Distance between the nodes of the cloth, in metres; 0.5 unless given. It has to be given
+        where that makes more than 1,000,000 nodes, and more than 100 for each row.
     cloth_rigidness : {1, 2, 3}, optional
         Of the cloth: 1 for steep slopes, 2 unless given, 3 for flat terrain.
     cloth_threshold : float, optional
@@ -144,7 +146,7 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         Coordinates are degrees or geocentric, an option is invalid or of the other algorithm, or
-        the cloth would have more than 20,000,000 nodes.
+        the cloth would have more than 20,000,000 nodes, or too many for so few rows.
     MissingDependencyError
         The package cloth-simulation-filter is not installed.
     FormatError, UnsupportedTypeError
@@ -203,7 +205,9 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     points -= points.min(axis=0) if len(points) else 0.0
     is_noise = _low_noise(points, noise_depth)
     noise, rows, points = rows[is_noise], rows[~is_noise], points[~is_noise]
-    is_ground = _cloth_ground(points, **options) if algorithm == "csf" else _tin(points, **options)
+    if algorithm == "csf":
+        _check_size(points, options["cloth_resolution"], is_given=cloth_resolution is not None)
+    is_ground = _filtered(points, **options) if algorithm == "csf" else _tin(points, **options)
     ground = rows[is_ground]
     cells, bare = _bare_cells(points, is_ground, _side(options))
     told = {} if noise_depth is None else {"noise_depth": noise_depth, "noise": len(noise)}
@@ -250,13 +254,6 @@ def _tin(
     points: Floats, tin_cell: float, tin_distance: float, tin_angle: float, tin_threshold: float
 ) -> Mask:
     return tin_ground(points, TinOptions(tin_cell, tin_distance, tin_angle, tin_threshold))
-
-
-def _cloth_ground(
-    points: Floats, cloth_resolution: float, cloth_rigidness: int, cloth_threshold: float
-) -> Array:
-    _check_size(points, cloth_resolution)
-    return _filtered(points, cloth_resolution, cloth_rigidness, cloth_threshold)
 
 
 def _low_noise(points: Floats, depth: float | None) -> Mask:
@@ -311,7 +308,8 @@ def _takes_part(cloud: Cloud) -> Array:
     return np.asarray(is_taken)
 
 
-def _check_size(points: Floats, resolution: float) -> None:
+def _check_size(points: Floats, resolution: float, *, is_given: bool) -> None:
+    """Raise for a cloth of too many nodes: for any rows, or for so few."""
     width, height = points[:, :2].max(axis=0) if len(points) else (0.0, 0.0)
     nodes = (width / resolution + _MARGIN) * (height / resolution + _MARGIN)
     if not nodes <= _MOST_NODES:
@@ -320,9 +318,19 @@ def _check_size(points: Floats, resolution: float) -> None:
             f"{nodes:.2g} nodes: remove rows that are far away, or give a larger "
             f"{Option('cloth_resolution', ...)}"
         )
+    if not is_given and nodes > max(_NODES_OF_ROW * len(points), _MANY_NODES):
+        apart = float(f"{math.sqrt(width * height / len(points)):.2g}")
+        raise InputError(
+            f"{len(points):,} rows in a box of {width:,.0f} by {height:,.0f} m are some {apart:g} "
+            f"m apart, and a cloth of {resolution:g} m has {nodes:.2g} nodes: give "
+            f"{Option('cloth_resolution', apart)}, or {Option('cloth_resolution', resolution)} for "
+            "this one"
+        )
 
 
-def _filtered(points: Floats, resolution: float, rigidness: int, threshold: float) -> Array:
+def _filtered(
+    points: Floats, cloth_resolution: float, cloth_rigidness: int, cloth_threshold: float
+) -> Array:
     """Run CSF in a process of its own; return which points are ground."""
     if not len(points):
         return np.zeros(0, np.bool_)
@@ -331,7 +339,7 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
             "this needs cloth-simulation-filter, which is not installed: "
             "pip install 'liftmesh[terrain]'"
         )
-    options = map(str, (float(resolution), int(rigidness), float(threshold)))
+    options = map(str, (float(cloth_resolution), int(cloth_rigidness), float(cloth_threshold)))
     words = [*python_command(_PROGRAM, "CSF"), *options]
     done = subprocess.run(  # noqa: S603 - our own program and numbers
         words,

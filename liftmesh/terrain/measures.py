@@ -50,7 +50,9 @@ if TYPE_CHECKING:
 _MOST_EXPONENT = 64
 _FARTHEST = 2.0**64  # shapely crosses lines to 2**-104 of their length
 _FEW = 1024  # vertices that are located first
+_SPREAD = 32  # faces of each surface whose middles are
 _LARGEST = np.finfo(np.float64).max
+_SCALED = 2.0**400
 Measured: TypeAlias = tuple[float, float, float]
 
 
@@ -309,7 +311,8 @@ def cut_and_fill(
     InputError
         The surfaces are over different planes or in different coordinate systems, have no area
         in common, or are one of ground and one of a file without any, of which all rows were
-        read; the polygon is invalid; or a volume is beyond the largest double.
+        read; the polygon is invalid; coordinates differ by more than doubles can hold once they
+        are scaled; or a volume is beyond the largest double.
     FormatError
         A file of a polygon is invalid.
     MissingDependencyError
@@ -346,6 +349,7 @@ def cut_and_fill(
     if within is not None:
         fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
         return CutFillResult(cut, fill, area, cubic_metres_of(surface))
+    _check_range(surface, other)
     pair = touching(surface.triangulation, other.triangulation)
     fill, cut, area = 0.0, 0.0, 0.0
     if pair is not None:
@@ -495,15 +499,45 @@ def check_pair(surface: SurfaceData, other: SurfaceData) -> None:
     check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
 
 
+def _check_range(*surfaces: SurfaceData) -> None:
+    """Raise where coordinates are lost once the largest are near to 1, as the kernel scales them.
+
+    It does not scale what is below 2**400, nor are the products of those beyond the doubles.
+    """
+    sizes = np.concatenate([np.abs(each.triangulation.points).ravel() for each in surfaces])
+    most = float(sizes.max())
+    scaled = -math.frexp(most)[1] + 1
+    if most < _SCALED or (np.ldexp(np.ldexp(sizes, scaled), -scaled) == sizes).all():
+        return
+    least = float(sizes[sizes > 0].min())
+    raise InputError(
+        f"coordinates between {least:g} and {most:g} differ too much in size for areas in doubles: "
+        "leave out those far away, or round those near 0"
+    )
+
+
 def touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Return a face of each triangulation that touch; None if none do."""
     if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
         return None
-    pair = _of_a_vertex(one, two)
+    pair = _of_middles(one, two) or _of_a_vertex(one, two)
     if pair is None:
         turned = _of_a_vertex(two, one)
         pair = None if turned is None else (turned[1], turned[0])
     return pair or _of_crossing_sides(one, two)
+
+
+def _of_middles(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+    """Find faces at the middle of some face: they overlap, unless it was rounded to a side."""
+    some = [each.simplices[:: len(each.simplices) // _SPREAD + 1] for each in (one, two)]
+    corners = [each.points[rows] / 3 for each, rows in zip((one, two), some, strict=True)]
+    middles = np.concatenate(corners).sum(axis=1)
+    places = np.stack([each.find_simplex(middles) for each in (one, two)], axis=1)
+    inside = np.flatnonzero((places >= 0).all(axis=1))
+    if not len(inside):
+        return None
+    face, other = places[inside[0]].tolist()
+    return face, other
 
 
 def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
@@ -611,6 +645,7 @@ def _level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -
 
 def _between_within(surface: SurfaceData, other: SurfaceData, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between two surfaces in polygons."""
+    _check_range(surface, other)
     first = kernel_surface(surface), surface.triangulation
     second = kernel_surface(other), other.triangulation
     parts = _triangles(surface, polygons, other.triangulation)

@@ -4,8 +4,9 @@
     python scripts/docs --no-pictures    run no script of the gallery: half a minute
     python scripts/docs --fresh          from scratch: reuse nothing of an earlier build
 
-Warnings are errors, among them links that lead nowhere. Nothing is downloaded. It needs the extra
-``docs``: ``pip install -e '.[docs]'``.
+Warnings are errors, and so are links and anchors of the pages that lead nowhere, and parts that a
+browser would load from elsewhere. Nothing is downloaded. It needs the extra ``docs``:
+``pip install -e '.[docs]'``, or ``nox -s docs``, which installs it first.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from pathlib import Path
 
-from commands import put_commands
+from checking import broken
+from command_pages import put_commands
 from sphinx.cmd.build import build_main
 from staging import stage
 
@@ -36,7 +38,10 @@ def main() -> int:
     pictures = int(not options.no_pictures)
     words = ["--builder", "html", "--fail-on-warning", "--quiet"]
     words += ["--define", f"plot_gallery={pictures}", "--doctree-dir", str(out / "doctrees")]
-    return build_main([*words, str(source), str(out / "html")])
+    code = build_main([*words, str(source), str(out / "html")])
+    found = broken(out / "html")
+    print(*found, sep="\n", end="\n" if found else "", file=sys.stderr)
+    return code or bool(found)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import pydoc
 import re
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 from docutils import nodes
@@ -14,7 +14,10 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
+import liftmesh
+
 FIRST = re.compile(r"(Parameters\n-+\n)(\w+) : .*\n(?: .*\n)*")
+ALIAS = re.compile(r"(?<!`)`(\w+)`(?!`)")
 IN_FULL = re.compile(r"^In full: `([\w.]+)`\.$", re.MULTILINE)
 
 BARS = re.compile(r"(?<!`)\|(\w[^|`]*)\|")  # lengths, such as |x - c|, which are no substitutions
@@ -63,7 +66,22 @@ def describe_in_full(
         summary = text.partition("\n\n")[0]
         full = (inspect.getdoc(pydoc.locate(named[1])) or "").partition("\n\n")[2]
         text = f"{summary}\n\n{as_of_method(full, value)}"
+    text = ALIAS.sub(lambda found: f"`{described().get(found[1], found[1])}`", text)
     lines[:] = BARS.sub(r"\\|\1\\|", text).splitlines()
+
+
+@cache
+def described() -> dict[str, str]:
+    """Return the method that each function describes in full, by the name of the function."""
+    kinds = [getattr(liftmesh, name) for name in liftmesh.__all__]
+    pairs = [
+        (named[1].rpartition(".")[2], f"{kind.__name__}.{name}")
+        for kind in filter(inspect.isclass, kinds)
+        for name, each in own_members(kind).items()
+        if (named := IN_FULL.search(inspect.getdoc(each) or ""))
+    ]
+    # Other words are parameters, such as `boundary`.
+    return {word: method for word, method in pairs if word != method.rpartition(".")[2]}
 
 
 def as_of_method(text: str, method: object) -> str:

@@ -51,5 +51,5 @@ def address(kind: str) -> str | None:
 
 def in_repository(path: str, is_picture: bool) -> str | None:
     """Return the address of a file in the public repository, if there is one."""
-    repository = address("Repository")
+    repository = address("Source")
     return repository and f"{repository}/{'raw' if is_picture else 'blob'}/HEAD/{path}"

@@ -7,7 +7,7 @@ from pathlib import Path
 from links import ROOT, in_repository, relinked
 
 DOCS = ROOT / "docs"
-GENERATED = ("api/names", "cli", "gallery")  # made by Sphinx, its extensions or `commands.py`
+GENERATED = ("api/names", "cli", "gallery")  # made by Sphinx, its extensions or `command_pages.py`
 PROJECT = {"ARCHITECTURE", "BENCHMARKS", "CHANGELOG", "CONTRIBUTING", "SECURITY", "TRUST"}
 
 

@@ -9,7 +9,7 @@ sorts nothing, and a quadratic part with a small constant shows as little more t
 `ORDERS` holds the cases that are known to grow faster, each with its reason and the ratio that it
 may reach, which is that of quadratic work with some room. One that no longer grows must be taken
 off that list. `LIKEWISE` holds subjects that may reach the same ratio on any family, for the same
-reason.
+reason. `LARGE` holds cases of which it takes sizes to see that are measured in seconds alone.
 """
 
 from __future__ import annotations
@@ -26,17 +26,34 @@ QUADRATIC = 16.0
 NOISE = 0.1
 """A slope below this share of the cost of a unit is taken for noise in the fixed costs."""
 
+Case = tuple[str, str]
+
 _FACETS = "the paper's procedure: each facet looks at every point"
 
-ORDERS: dict[tuple[str, str], str] = {
+ORDERS: dict[Case, str] = {
     ("delaunay by lf", "uniform"): _FACETS,
     ("delaunay by lfres", "uniform"): _FACETS,
     ("lower_hull by lf", "lifted points"): _FACETS,
 }
+_ACROSS = "thin faces lie across each other: as many parts overlap as there are pairs"
+_CROWDED = "linear, but from some size on crossings come together, and sides are split: 20 times"
+_WIDE = "linear, but from some size on exponents are so far apart that crossings are Python's"
+_ERROR = "sides of faces as thin as rounding cross almost all others: it ends in an error"
+_NO_AREA = "two fans with their apexes in common, none of whose faces overlap beyond rounding"
+_LEVELS = "linear from 2,098 rows on: each asks all powers of two that radii have"
+
+LARGE: dict[Case, str] = {
+    ("Surface.cut_and_fill", "facing arcs"): _ACROSS,
+    ("Surface.cut_and_fill", "polar scan"): _ACROSS,
+    **{("difference", f): _CROWDED for f in ("parabola", "nested clusters", "two scales")},
+    ("difference", "off the sample"): _CROWDED,
+    ("difference", "oblique line"): _ERROR,
+    ("difference", "wide line"): _NO_AREA,
+    ("paste", "colliding hashes"): _WIDE,
+    ("Triangulation.graph sphere_of_influence", "powers of two"): _LEVELS,
+}
 FILES = ("read ", "read_chunks ", "write ")
 LIKEWISE = ("delaunay by ", "lower_hull by ")
-
-Case = tuple[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +86,7 @@ class Growth:
 
 def most_of(case: Case) -> float:
     """Return the ratio that a case may reach."""
-    if case in ORDERS or case[0].startswith(LIKEWISE):
+    if case in ORDERS or case in LARGE or case[0].startswith(LIKEWISE):
         return QUADRATIC
     return LINEAR if case[0].startswith(FILES) else MOST
 

@@ -104,7 +104,7 @@ CHUNKS = 16
 
 DRAWN = (
     "Surface", "Raster", "Contours", "Profile", "Triangulation", "Cells", "ApolloniusCells",
-    "Unclipped", "Certificate", "Tiled",
+    "Unclipped", "Certificate", "Tiled", "scipy.Voronoi",
 )  # fmt: skip
 """Results with a method `plot`."""
 

@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("out/page"))
     parser.add_argument("--check", action="store_true")
     parser.add_argument("--look", action="store_true")
+    parser.add_argument("--rows", type=int, default=0, help="look at pages of so many rows, too")
     parser.add_argument("--browser", default=shutil.which("chromium"))
     options = parser.parse_args()
     out = options.out.resolve()
@@ -40,7 +41,7 @@ def main() -> None:
     if options.look:
         from look import look  # noqa: PLC0415 - needs liftmesh
 
-        sys.exit(look(modules, out, options.browser) > 0)
+        sys.exit(look(modules, out, options.browser, options.rows) > 0)
     made = {"page.js": bundle(modules), "LICENSE.three.js.txt": licence(modules)}
     for name, text in made.items():
         path = ROOM / name

@@ -6,13 +6,14 @@ with all its digits, and nothing may be said on the console or asked of a networ
 coordinates must look as the same at the origin, and a page of hostile names must be harmless.
 Pictures at the width of a laptop and of a phone, light and dark, are left in ``out/page``, to be
 looked at. At last, pages of more and more triangles: their sizes, how long they take to open, and
-frames a second, drawn by the processor.
+frames a second, drawn by the processor. With ``--rows 10000000``, also those of so many rows.
 """
 
 from __future__ import annotations
 
 import json
 import subprocess
+import time
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,9 +33,9 @@ SIZES = (10_000, 100_000, 1_000_000)  # triangles
 RNG = np.random.default_rng(40)
 
 
-def look(modules: Path, out: Path, browser: str) -> int:
+def look(modules: Path, out: Path, browser: str, rows: int) -> int:
     """Make pages, open them, judge what was seen, and print the table; how much is wrong."""
-    jobs = [*kinds(out), *sizes(out)]
+    jobs = [*kinds(out), *sizes(out), *(many(out, rows) if rows else [])]
     seen = looked(jobs, out, modules, browser)
     faults = [fault for result in seen.values() for fault in faults_of(result)]
     faults += compared(out / "origin.png", out / "utm.png")
@@ -121,6 +122,25 @@ def sizes(out: Path) -> list[dict[str, Any]]:
         heights = 20 * np.sin(plane[:, 0] / 60) + 30 * np.cos(plane[:, 1] / 90)
         surface = liftmesh.triangulate(np.column_stack([plane, heights]))
         jobs.append(saved(out, str(count), liftmesh.view(surface), {"rate": True}))
+    return jobs
+
+
+def many(out: Path, rows: int) -> list[dict[str, Any]]:
+    """Make pages of very many rows, some of them NaN, under a hostile name; say what they take."""
+    plane = RNG.random((rows, 2)) * 3000
+    heights = 20 * np.sin(plane[:, 0] / 60) + 30 * np.cos(plane[:, 1] / 90)
+    points = np.column_stack([plane, heights])
+    points[::1000] = np.nan
+    cloud = liftmesh.Cloud(points, attributes={HOSTILE: heights})
+    surface = liftmesh.triangulate(cloud, nonfinite="skip")
+    jobs = []
+    for name, each in {"many-points": cloud, "many-triangles": surface}.items():
+        began = time.process_time()
+        page = liftmesh.view(each, names=[HOSTILE], title=HOSTILE)
+        jobs.append(saved(out, name, page, {}))
+        seconds, weight = time.process_time() - began, (out / f"{name}.html").stat().st_size
+        note = page.layers[0].note
+        print(f"{rows:,} rows as {name}: {weight / 1e6:.0f} MB, {seconds:.0f} s of CPU; {note}")
     return jobs
 
 

@@ -22,7 +22,7 @@ from liftmesh.base import platform
 WINDOWS = """
 import os, sys
 os.supports_dir_fd.clear()
-import fcntl, multiprocessing.connection, select, shutil, signal, stat, subprocess, types
+import fcntl, multiprocessing.connection, pathlib, select, shutil, signal, stat, subprocess, types
 for module, names in {
     os: "register_at_fork pread preadv pwrite fchmod sched_getaffinity set_blocking pipe link fork "
         "O_TMPFILE O_PATH O_NOFOLLOW O_NONBLOCK",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from decimal import Decimal, localcontext
 from itertools import pairwise
 
 import numpy as np
@@ -109,6 +110,42 @@ def test_circles_of_disks_that_are_far_nearer_to_each_other_than_to_others(near:
     for corners, (x, y, radius) in zip(graph.simplices, graph.circles, strict=True):
         distances = np.hypot(*(pair[corners, :2] - (x, y)).T) - pair[corners, 2]
         np.testing.assert_allclose(distances, radius, rtol=1e-12)
+
+
+def circles_in_decimals(corners: list[list[float]]) -> list[list[float]]:
+    """Both circles that touch three disks, centres not on a line, to hundreds of digits."""
+    with localcontext() as context:
+        context.prec = 600
+        (x, y, r), *others = ([Decimal(value) for value in each] for each in corners)
+        (a, b, c), (d, e, f) = rows = [(u - x, v - y, s - r) for u, v, s in others]
+        g, h = ((u * u + v * v - s * s) / 2 for u, v, s in rows)
+        det = a * e - b * d
+        x0, x1, y0, y1 = (
+            each / det for each in (g * e - b * h, b * f - c * e, a * h - d * g, c * d - a * f)
+        )
+        two, one, none = x1 * x1 + y1 * y1 - 1, x0 * x1 + y0 * y1, x0 * x0 + y0 * y0
+        root = (one * one - two * none).sqrt()
+        distances = [(sign * root - one) / two for sign in (-1, 1)]
+        return [[float(x + x0 + x1 * s), float(y + y0 + y1 * s), float(s - r)] for s in distances]
+
+
+TINY = 2.0**-76
+NEARLY_ON_TANGENTS = (
+    [[128 * TINY, 32, 96 * TINY], [96, 192, 96], [0, -4 * TINY, 4 * TINY]],
+    [[-3 * TINY, TINY, 0], [64, 256, 3], [-4 * TINY, -TINY, 64], [4, -64, 0], [192, -64, TINY]],
+    [[-32, 0, 64], [3, -6 * TINY, TINY], [-96, 64, 128], [32, -192, 4 * TINY]],
+)
+
+
+@pytest.mark.parametrize("disks", NEARLY_ON_TANGENTS)
+def test_circles_of_disks_whose_numbers_are_far_apart_in_size(disks: list[list[float]]) -> None:
+    graph = graph_of(np.array(disks, dtype=float))
+    for corners, circle in zip(graph.simplices, graph.circles, strict=True):
+        known = np.array(circles_in_decimals([disks[row] for row in corners]))
+        apart = np.abs(known - circle).max(axis=1) / np.abs(known).max(axis=1)
+        assert apart.min() < 1e-12
+    assert np.abs(graph.circles).max() > 1e15
+    assert graph.verify().valid
 
 
 def test_neighbors_share_an_edge_and_the_outer_ones_are_the_hull() -> None:

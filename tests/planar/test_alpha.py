@@ -242,6 +242,18 @@ class TestInThePlane:
             assert np.array_equal(rewritten.alpha_complex().edges, fresh.alpha_complex().edges)
             assert rewritten.optimal_alpha() == fresh.optimal_alpha()
 
+    @pytest.mark.parametrize(("written", "radius"), [(math.nan, math.inf), (7.0, 0.0)])
+    @pytest.mark.parametrize("columns", [2, 3])
+    def test_rows_that_a_caller_has_rewritten_have_radii(
+        self, columns: int, written: float, radius: float
+    ) -> None:
+        rows = np.random.default_rng(3).random((12, columns))
+        given = liftmesh.delaunay(rows) if columns == 2 else liftmesh.tetrahedralize(rows)
+        assert np.shares_memory(given.points, rows)
+        rows[:] = written
+        assert (given.circumradii() == radius).all()
+        assert given.optimal_alpha() == radius
+
     def test_the_kernel_takes_a_number_for_each_simplex(self) -> None:
         points, simplices = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
         none, all_outside = np.empty(0), np.full((1, 3), -1, np.int32)

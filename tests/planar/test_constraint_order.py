@@ -32,6 +32,28 @@ def crossings(points: Numbers, edges: Numbers) -> liftmesh.CrossingError:
     return caught.value
 
 
+def test_all_crossings_are_found_of_sides_that_come_first() -> None:
+    """A triangle between two columns, whose points take the edges across them away."""
+    n = 700
+    along = np.arange(n) / n
+    columns = np.column_stack([np.repeat([0.0, 1.0], n), np.tile(along, 2)])
+    corners = np.array([[0.1, 0.1013], [0.8, 0.2012], [0.5, 0.9011]])
+    across = np.column_stack([np.arange(n), np.arange(n) + n])
+    sides = 2 * n + np.array([[0, 1], [1, 2], [0, 2]])
+    points, edges = np.concatenate([columns, corners]), np.concatenate([across, sides])
+    expected = {
+        (k, n + side)
+        for side, (tail, head) in enumerate((sides - 2 * n).tolist())
+        for k in range(n)
+        if (corners[tail, 1] - along[k]) * (corners[head, 1] - along[k]) < 0
+    }
+    for given in (edges, edges[::-1]):
+        found = {tuple(sorted(pair)) for pair in crossings(points, given).crossings.tolist()}
+        if given is not edges:
+            found = {(len(edges) - 1 - one, len(edges) - 1 - other) for other, one in found}
+        assert found == expected
+
+
 @pytest.mark.slow
 def test_crossings_are_the_same_and_in_one_order() -> None:
     rng = np.random.default_rng(61)

@@ -56,7 +56,8 @@ MAKERS: dict[str, Callable[[Path], Any]] = {
     "alpha shape": lambda _: liftmesh.delaunay(FEW).alpha_shape(),
     "alpha shape in space": lambda _: liftmesh.tetrahedralize(SPACE).alpha_shape(),
     "tetrahedra": lambda _: liftmesh.tetrahedralize(SPACE),
-    "hull of many": lambda _: liftmesh.convex_hull(SPACE / np.hypot.reduce(SPACE, 1)[:, None]),
+    "sphere": lambda _: liftmesh.spherical_delaunay(RNG.normal(size=(300, 3))),
+    "alpha complex": lambda _: liftmesh.delaunay(FEW).alpha_complex(),
     "cells": lambda _: liftmesh.voronoi(FEW, domain=(0, 0, 1, 1)),
     "many cells": lambda _: liftmesh.voronoi(ROWS[:, :2], domain=(0, 0, 30, 30)),
     "disks": lambda _: liftmesh.apollonius_diagram(FEW, FEW[:, 0] / 9, domain=(0, 0, 1, 1)),
@@ -103,7 +104,7 @@ def test_every_result_has_a_card(name: str, tmp_path: Path) -> None:
         card = parsed(result)
     assert next(card.iter("b")).text == type(result).__name__
     assert figures(card)
-    drawn = {"frame", "accuracy", "volume", "stages", "sets", "weights", "written"}
+    drawn = {"frame", "accuracy", "volume", "stages", "sets", "weights", "written", "alpha complex"}
     has_picture = len([each for each in card.iter() if each.tag.endswith(("svg", "img"))]) > 0
     assert has_picture == (name not in drawn)
 
@@ -164,6 +165,9 @@ def test_hostile_names_and_values_are_text() -> None:
         liftmesh.delaunay(FEW * 1e300),
         liftmesh.voronoi(FEW, domain=(5, 5, 6, 6)),
         liftmesh.voronoi([[0, 0], [1, 1], [2, 2]]).unclipped,
+        liftmesh.voronoi([[0, 0], [1, 0], [2, 1e-320], [1, -1]]).unclipped,
+        liftmesh.verify([[0, 0], [1, 0], [0, 1], [np.nan, 2]], [[0, 1, 3]], nonfinite="skip"),
+        liftmesh.delaunay([*FEW.tolist(), [np.nan, 1]], nonfinite="skip"),
     ],
 )
 def test_what_can_hardly_be_drawn_has_a_card(result: Any) -> None:

@@ -12,8 +12,10 @@ from commands import liftmesh as command
 
 import liftmesh
 from liftmesh import DataWarning, InputError, UnsupportedTypeError
+from liftmesh.plots import plot as drawn
 
 HILL = np.array([[0, 0, 0], [40, 0, 0], [0, 20, 0], [40, 20, 0], [20, 10, 8.0]])
+DATA = Path(__file__).resolve().parent.parent.parent / "data"
 RNG = np.random.default_rng(40)
 
 
@@ -105,6 +107,15 @@ def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:
         liftmesh.plot(tiled, edges=True)
 
 
+def test_surfaces_that_are_level_or_hardly_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 20)
+    assert liftmesh.triangulate(HILL * [1, 1, 0]).plot().images
+    with pytest.raises(InputError, match="no face to plot"):
+        liftmesh.triangulate([[0, 0, 0], [5e-324, 0, 0], [0, 5e-324, 0]]).plot()
+    with pytest.raises(InputError, match="ax is 3: give axes of matplotlib"):
+        liftmesh.triangulate(HILL).plot(3)
+
+
 def test_a_surface_thinner_than_a_pixel_and_one_in_degrees() -> None:
     thin = np.array([[0, 0, 1], [1e6, 0, 2], [0, 1e-3, 3.0]])
     assert not segments(liftmesh.plot(liftmesh.triangulate(thin)))
@@ -135,7 +146,10 @@ def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
     assert not (tmp_path / "map.bmp").exists()
 
 
-def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(tmp_path: Path) -> None:
+def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 100)
     rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
     tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
     ours, other = (each.plot(contours=0.5) for each in (tiled, liftmesh.triangulate(rows)))
@@ -150,6 +164,13 @@ def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(tmp_path: Path)
     )
     cuts = sum(path.stem.startswith("tile") for path in tiled.shards) - 1
     assert len(ends) == across + cuts
+    monkeypatch.setattr(drawn, "_MOST_SEAMS", 0)
+    assert len(segments(tiled.plot(contours=False))) == cuts
+    assert not segments(tiled.plot(contours=False, tiles=False))
+    done = command("plot", "tiles", "a.svg", "--tiles", "--no-contours", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    refused = command("plot", str(DATA / "quad.xyz"), "a.png", "--tiles", cwd=tmp_path)
+    assert "--tiles is for a folder" in refused.stderr
     assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).max() == pytest.approx(30, rel=0.05)
 
 
@@ -162,17 +183,28 @@ def test_tiles_are_drawn_by_their_cuts(tmp_path: Path) -> None:
         whole.plot()
 
 
-def test_a_diagram_is_drawn_with_its_rays() -> None:
+@pytest.mark.parametrize("kind", ["unclipped", "scipy", "furthest"])
+def test_a_diagram_is_drawn_with_its_rays(kind: str) -> None:
     sites = RNG.random((30, 2))
-    whole = liftmesh.voronoi(sites).unclipped
+    far = kind == "furthest"
+    whole: Any = liftmesh.voronoi(sites).unclipped
+    if kind != "unclipped":
+        whole = liftmesh.scipy.Voronoi(sites, furthest_site=far)
+    assert "<svg" in whole._repr_html_()
     ends = np.array(segments(whole.plot()))
     assert len(ends) == len(whole.ridge_points)
-    order = [*np.flatnonzero(whole.ridge_ends[:, 0] >= 0), *whole.rays[0]]
+    is_ray = whole.ridge_ends[:, 0] < 0
+    order = [*np.flatnonzero(~is_ray), *np.flatnonzero(is_ray)]
     apart = np.linalg.norm(ends[:, :, None] - sites[whole.ridge_points[order]][:, None], axis=3)
     assert np.allclose(apart[..., 0], apart[..., 1], rtol=1e-6)
-    nearest = np.linalg.norm(ends[:, :, None] - sites, axis=3).min(axis=2)
-    assert np.allclose(nearest, apart[..., 0], rtol=1e-6)
+    to_all = np.linalg.norm(ends[:, :, None] - sites, axis=3)
+    extreme = to_all.max(axis=2) if far else to_all.min(axis=2)
+    assert np.allclose(extreme, apart[..., 0], rtol=1e-6)
+
+
+def test_a_diagram_of_sites_on_a_line_has_lines() -> None:
     lines = liftmesh.voronoi([[0, 0], [1, 1], [2, 2]]).unclipped.plot()
+    assert len(segments(lines)) == 2
     for piece in segments(lines):
         assert np.ptp(piece.sum(axis=1)) == pytest.approx(0, abs=1e-9)
 

@@ -42,6 +42,16 @@ def test_volumes_are_those_of_rationals(points, others) -> None:
     assert found[0].verify().valid
 
 
+def test_only_faces_that_overlap_are_laid_anew(monkeypatch) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise liftmesh.InputError("refused")
+
+    monkeypatch.setattr("liftmesh.terrain.difference.as_surface", refuse)
+    one, two = liftmesh.triangulate(LEVEL), liftmesh.triangulate([*LEVEL, [1, 2, 3]])
+    with pytest.raises(liftmesh.InputError, match="refused"):
+        liftmesh.difference(two, one)
+
+
 @settings(max_examples=20, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.booleans())
 def test_it_is_what_both_are_apart(seed: int, is_far: bool) -> None:

@@ -276,6 +276,17 @@ def test_what_cannot_be_compared_is_refused() -> None:
         surface.cut_and_fill([1, 2, 3])
 
 
+@pytest.mark.parametrize(("tiny", "refused"), [(2.0**-570, False), (3 * 2.0**-580, True)])
+def test_coordinates_that_differ_too_much_in_size_are_refused(tiny: float, refused: bool) -> None:
+    row = [[tiny, 0, 1], [0, 2.0**500, 1], [2.0**500, 0, 1]]
+    one, two = (liftmesh.triangulate([*row, [0, 0, height]]) for height in (0, 3))
+    if not refused:
+        assert one.cut_and_fill(two).area == 2.0**999
+        return
+    with pytest.raises(liftmesh.InputError, match="differ too much in size for areas"):
+        one.cut_and_fill(two)
+
+
 class TestCommand:
     @pytest.fixture
     def folder(self, tmp_path: Path) -> Path:

@@ -158,6 +158,18 @@ def test_options_are_checked(options: dict[str, Any], cause: str) -> None:
         liftmesh.classify_ground(scene()[0], **options)
 
 
+def test_a_cloth_of_far_more_nodes_than_rows_has_to_be_asked_for() -> None:
+    sparse = np.random.default_rng(0).random((200, 3)) * [1000, 1000, 2]
+    told = (
+        r"200 rows in a box of 985 by 987 m are some 70 m apart, and a cloth of 0.5 m has "
+        r"3.9e[+]06 nodes: give cloth_resolution=70.0, or cloth_resolution=0.5 for this one"
+    )
+    with pytest.raises(InputError, match=told):
+        liftmesh.classify_ground(sparse)
+    given = liftmesh.classify_ground(sparse, cloth_resolution=70.0)
+    assert given.metadata["ground"]["cloth_resolution"] == 70
+
+
 def test_without_the_package(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "path", [])
     monkeypatch.delitem(sys.modules, "CSF", raising=False)

@@ -13,7 +13,7 @@ from surfaces import meadow
 import liftmesh
 from liftmesh import DataWarning, InputError
 from liftmesh._typing import Floats
-from liftmesh.terrain.boundary import solid_and_wall
+from liftmesh.terrain.boundary import _apart, solid_and_wall
 
 CORNERS = [[0, 0, 0], [10, 0, 0], [0, 10, 0], [10, 10, 0]]
 PYRAMID = np.array([*CORNERS, [5.0, 5.0, 6.0]])  # of volume 200
@@ -233,6 +233,35 @@ def test_thin_walls_are_told() -> None:
         surface.solid(base_mm=0.5, longest=80)
     with pytest.warns(DataWarning, match="give more for base_mm or thickness_mm"):
         surface.solid(thickness_mm=0.5, longest=80)
+
+
+def test_slivers_of_the_hull_are_no_thin_walls() -> None:
+    """On a slope of 3 in 4, of 10 mm per unit: a row is 15 mm above, 0.4 mm from a side."""
+    slope = np.array([[x, y, 0.75 * x] for x in (0, 4) for y in (0, 4)])
+    surface = liftmesh.triangulate([*slope, [2, 0.04, 3.0]])
+    _, wall = solid_and_wall(surface, {"thickness_mm": 5}, "error", 40, None)
+    a, b, c = np.moveaxis(surface.vertices[surface.faces], 1, 0)
+    normals = np.cross(b - a, c - a)
+    flatness = normals[:, 2] / np.linalg.norm(normals, axis=1)
+    assert flatness.min() < 0.05
+    assert wall == pytest.approx(5 * np.sort(flatness)[1], rel=1e-12)
+
+
+@given(st.integers(0, 2**32 - 1))
+@settings(max_examples=15, deadline=None)
+def test_the_wall_of_a_shell_is_that_of_points_in_its_faces(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    surface = liftmesh.triangulate(rng.random((5, 3)) * [20, 20, rng.integers(1, 40)])
+    corners = surface.vertices[surface.faces]
+    gap = 5.0
+    found = _apart(corners, gap)
+    shares = np.array([[i, j, 24 - i - j] for i in range(25) for j in range(25 - i)]) / 24
+    for face, distance in zip(corners, found.tolist(), strict=True):
+        points = shares @ face
+        apart = points[:, None] - (points - [0, 0, gap])
+        sampled = np.sqrt((apart * apart).sum(axis=2)).min()
+        assert distance <= sampled * (1 + 1e-9)
+        assert distance >= sampled - 1.5
 
 
 @pytest.mark.parametrize(

@@ -241,7 +241,7 @@ Circle circle_of(std::array<Disk, 3> corners, int scale) {
     for (unsigned i = 1; i < 3; ++i)
         if (side(i) < side(k)) k = i;
     if (corners[(k + 1) % 3].r < corners[k].r) k = (k + 1) % 3;
-    const Circle c = touching(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
+    const Circle c = surely_touching(corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]);
     scale += length;
     return {std::ldexp(c.x, scale), std::ldexp(c.y, scale), std::ldexp(c.radius, scale)};
 }

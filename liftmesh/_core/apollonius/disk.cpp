@@ -144,4 +144,41 @@ Circle touching(const Disk& p, const Disk& q, const Disk& r) {
     return {p.x + along_x / twice, p.y + along_y / twice, all / twice - p.r};
 }
 
+namespace {
+
+// Where both parts would cancel, from the product with the conjugate, which is an integer.
+Rounded rounded(const Surd<Integer>& s, const Integer& radicand) {
+    const Rounded even(s.even), odd = Rounded(s.odd) * Rounded(radicand).root();
+    if (s.even.sign() * s.odd.sign() >= 0) return even + odd;
+    return Rounded(s.even * s.even - s.odd * s.odd * radicand) / (even - odd);
+}
+
+Circle exactly_touching(const Disk& p, const Disk& q, const Disk& r) {
+    const OnLattice<3> lattice({&p, &q, &r});
+    const Relative<Integer> to_q = lattice.long_row(1), to_r = lattice.long_row(2);
+    const Minors<Integer> m(to_q, to_r);
+    const Integer none(0, 0), square = radicand(to_q, to_r, false);
+    const auto value = [&](const Integer& even, const Integer& odd) {
+        return rounded(Surd<Integer>{even, odd}, square);
+    };
+    const Rounded twice = Rounded(2) * value(m.xp * m.xr + m.yp * m.yr, m.xy);
+    const auto along = [&](const Rounded& part) {
+        return (part / twice).times(lattice.exponent());
+    };
+    return {p.x + along(value(none - m.xp * m.rp, none - m.yp)),
+            p.y + along(value(none - m.yp * m.rp, m.xp)),
+            along(Rounded(m.xp * m.xp + m.yp * m.yp)) - p.r};
+}
+
+}  // namespace
+
+Circle surely_touching(const Disk& p, const Disk& q, const Disk& r) {
+    constexpr double enough = 0x1p-20;
+    const BoundedCircle m(Bounded(p, q), Bounded(p, r), false);
+    const double size = m.of_two * (2 * m.of_three + m.root);
+    const bool is_sure =
+        m.is_sure && std::fabs(m.xp * m.xr + m.yp * m.yr + m.xy * m.root) > enough * size;
+    return is_sure ? touching(p, q, r) : exactly_touching(p, q, r);
+}
+
 }  // namespace liftmesh::apollonius

@@ -66,5 +66,7 @@ struct Circle {
     double x, y, radius;
 };
 Circle touching(const Disk& p, const Disk& q, const Disk& r);
+// The same of finite disks, from integers where doubles may leave few digits, or none.
+Circle surely_touching(const Disk& p, const Disk& q, const Disk& r);
 
 }  // namespace liftmesh::apollonius

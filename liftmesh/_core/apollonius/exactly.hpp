@@ -128,6 +128,49 @@ class Integer {
     int limbs_ = 0;
     bool negative_ = false;
     std::uint64_t limb_[capacity];
+
+    friend class Rounded;
+};
+
+// A double with an exponent of its own, for what is beyond the doubles on the way to one.
+class Rounded {
+ public:
+    explicit Rounded(double value, int exponent = 0) {
+        part_ = std::frexp(value, &exponent_);
+        exponent_ += exponent;
+    }
+    explicit Rounded(const Integer& value)
+        : Rounded(leading(value), 64 * std::max(value.limbs_ - 2, 0)) {}
+
+    friend Rounded operator*(Rounded a, Rounded b) {
+        return Rounded(a.part_ * b.part_, a.exponent_ + b.exponent_);
+    }
+    friend Rounded operator/(Rounded a, Rounded b) {
+        return Rounded(a.part_ / b.part_, a.exponent_ - b.exponent_);
+    }
+    friend Rounded operator+(Rounded a, Rounded b) {
+        if (a.part_ == 0 || (b.part_ != 0 && a.exponent_ < b.exponent_)) std::swap(a, b);
+        return Rounded(a.part_ + std::ldexp(b.part_, b.exponent_ - a.exponent_), a.exponent_);
+    }
+    friend Rounded operator-(Rounded a, Rounded b) { return a + Rounded(-b.part_, b.exponent_); }
+    Rounded root() const {
+        const int odd = exponent_ & 1;
+        return Rounded(std::sqrt(std::ldexp(part_, odd)), (exponent_ - odd) / 2);
+    }
+    // Times a power of two.
+    double times(int exponent) const { return std::ldexp(part_, exponent_ + exponent); }
+
+ private:
+    static double leading(const Integer& value) {
+        const int n = value.limbs_;
+        const double low = n > 1 ? static_cast<double>(value.limb_[n - 2]) : 0,
+                     high = n > 0 ? static_cast<double>(value.limb_[n - 1]) : 0;
+        const double size = n > 1 ? high * 0x1p64 + low : high;
+        return value.negative_ ? -size : size;
+    }
+
+    double part_;
+    int exponent_;
 };
 
 // The disks of one call on their common lattice.
@@ -158,6 +201,15 @@ class OnLattice {
         return is_short_ ? work([this](std::size_t i) { return short_row(i); })
                          : work([this](std::size_t i) { return long_row(i); });
     }
+
+    Relative<Integer> long_row(std::size_t i) const {
+        if (is_infinity_[i]) return {{}, {}, {}, {1, 0}};
+        const Integer x = long_difference(i, 0), y = long_difference(i, 1);
+        const Integer r = long_difference(i, 2);
+        return {x, y, r, power_of(x, y, r)};
+    }
+    // Of the power of two that is 1 on the lattice.
+    int exponent() const { return low_; }
 
  private:
     // Polynomials of degree 9 in integers of 13 bits fit 128.
@@ -190,12 +242,6 @@ class OnLattice {
             return d.mantissa == 0 ? Integer() : Integer(d.mantissa, d.exponent - low_);
         };
         return whole(part_[i][column]) - whole(part_[0][column]);
-    }
-    Relative<Integer> long_row(std::size_t i) const {
-        if (is_infinity_[i]) return {{}, {}, {}, {1, 0}};
-        const Integer x = long_difference(i, 0), y = long_difference(i, 1);
-        const Integer r = long_difference(i, 2);
-        return {x, y, r, power_of(x, y, r)};
     }
 
     std::array<std::array<Dyadic, 3>, K> part_;

@@ -17,15 +17,21 @@ class Interrupt {
     virtual void advance(std::size_t /*work, since the last call*/) {}
 };
 
-// For a part of a run, which has been told what to expect of the whole.
-class PartInterrupt final : public Interrupt {
+// For a part of a run, the progress of which is told otherwise.
+class QuietInterrupt : public Interrupt {
  public:
-    explicit PartInterrupt(Interrupt& whole) : whole_(whole) {}
+    explicit QuietInterrupt(Interrupt& whole) : whole_(whole) {}
     bool requested() override { return whole_.requested(); }
-    void advance(std::size_t work) override { whole_.advance(work); }
 
- private:
+ protected:
     Interrupt& whole_;
+};
+
+// For a part of a run, which has been told what to expect of the whole.
+class PartInterrupt final : public QuietInterrupt {
+ public:
+    using QuietInterrupt::QuietInterrupt;
+    void advance(std::size_t work) override { whole_.advance(work); }
 };
 
 class NoInterrupt final : public Interrupt {

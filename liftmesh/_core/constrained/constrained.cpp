@@ -119,6 +119,10 @@ class Constraints {
             met += insert(placed_[done], insertion);
             if (patience_.ends()) return false;
         }
+        if (done < placed_.size() && !crossing_.empty()) {
+            begin_anew();
+            done = 0;
+        }
         const std::span<Placed> rest = std::span(placed_).subspan(done);
         return rest.empty() || (sort_by_lines(rest) && Rounds(rest.size()).run([&](std::size_t i) {
                    insert(rest[i], insertion);
@@ -126,24 +130,34 @@ class Constraints {
                }));
     }
 
+    // All edges again, in a random order, where a few are in the way of many that meet many
+    // triangles: put in first, as sides of a polygon across thin faces, they would keep out all of
+    // those, and each would be followed through all triangles. What crosses is in no way else.
+    void begin_anew() {
+        placed_.insert(placed_.end(), there_.begin(), there_.end());
+        std::fill(marks_.begin(), marks_.end(), Mark{0});
+        memberships_.clear();
+        crossing_.clear();
+    }
+
     // Edges that triangles have already come first, as far as this looks: they change nothing, and
     // what crosses many of them is known as such before it takes these triangles away. Where next
     // to none are there, looking for them takes a tenth of the time, and ends early.
     bool mark_those_there(Insertion& insertion) {
         constexpr std::size_t few = 32, least = 2048;
-        std::size_t left = 0, there = 0;
-        while (left + there < placed_.size() && left <= few * there + least) {
+        std::size_t left = 0;
+        while (left + there_.size() < placed_.size() && left <= few * there_.size() + least) {
             if (patience_.ends()) return false;
-            const Placed each = placed_[left + there];
+            const Placed each = placed_[left + there_.size()];
             if (insertion.mark_if_there(each.a, each.b)) {
                 memberships_.push_back({piece({each.a, each.b}), each.edge});
-                ++there;
+                there_.push_back(each);
             } else {
                 placed_[left++] = each;
             }
         }
         const auto first = placed_.begin() + static_cast<std::ptrdiff_t>(left);
-        placed_.erase(first, first + static_cast<std::ptrdiff_t>(there));
+        placed_.erase(first, first + static_cast<std::ptrdiff_t>(there_.size()));
         return true;
     }
 
@@ -285,7 +299,7 @@ class Constraints {
     Patience patience_;
     std::vector<Mark> marks_;
     Buffer<Vertex> vertex_of_row_;
-    std::vector<Placed> placed_, crossing_;
+    std::vector<Placed> placed_, there_, crossing_;
     std::vector<Membership> memberships_;
 };
 

@@ -164,6 +164,7 @@ template <int K>
     constexpr double reduction = 0x1p-30;
     const bool overflows = !has_finite_steps<K>(corners);
     const Corners<K> p = overflows ? reduced<K>(corners, reduction) : corners;
+    if (overflows && !has_finite_steps<K>(p)) return std::numeric_limits<double>::infinity();
     const int shift = -exponent_of_greatest(plain_steps<K>(p));
     const RoundedRadius<double> found = scaled_radius<K>(p, shift);
     const double result = rounded(found.value, found.error, rounding);

@@ -56,15 +56,19 @@ bool has_finite_steps(const Corners<K>& corners) {
                          (w.x + w.y + w.z) * 0x1p-9 + (side.x + side.y + side.z) * 0x1p-9);
 }
 
+// Of the largest of magnitudes; 0 if there is none, as where rows were altered meanwhile.
+inline int exponent_of_magnitude(double largest) {
+    return largest > 0 && std::isfinite(largest) ? std::ilogb(largest) : 0;
+}
 inline int exponent_of_greatest(const StepsOf<double, 2>& at) {
-    return std::ilogb(largest_magnitude(at.u.x, at.u.y, at.u.z));
+    return exponent_of_magnitude(largest_magnitude(at.u.x, at.u.y, at.u.z));
 }
 template <int K>
 int exponent_of_greatest(const StepsOf<double, K>& at) {
     double largest = 0;
     for (const Vector<double>* step : {&at.u, &at.v, &at.w})
         largest = std::max(largest, largest_magnitude(step->x, step->y, step->z));
-    return std::ilogb(largest);
+    return exponent_of_magnitude(largest);
 }
 
 }  // namespace liftmesh

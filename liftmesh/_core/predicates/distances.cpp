@@ -76,19 +76,44 @@ int sign_at_apex_exact(Point a, Point b, Point c) {
     });
 }
 
-// In units of the sum of the three squares, which are off by 4 e each: the rest errs by 7 e, its
-// square by 15 e, and four times the product of the two others by 9 e.
+namespace {
+
+// Of squares of distances, the sum of which is in the window; nothing if rounding may decide. In
+// units of that sum, they are off by 4 e each: the rest errs by 7 e, its square by 15 e, and four
+// times the product of the two others by 9 e.
+std::optional<bool> cross_surely(double of_p, double of_q, double of_ends) {
+    const double rest = of_ends - of_p - of_q, sum = of_ends + of_p + of_q;
+    const double error = 32 * unit_roundoff * sum;
+    if (rest < -error) return true;
+    const double difference = rest * rest - 4 * of_p * of_q;
+    if (std::fabs(difference) > error * sum) return rest < 0 || difference < 0;
+    return {};
+}
+
+// Outside of the window: of steps that are scaled so that the longest is near 1. What underflows is
+// far less than the error.
+std::optional<bool> cross_surely_scaled(Point a, Point p, Point b, Point q) {
+    const Point steps[] = {{p.x - a.x, p.y - a.y}, {q.x - b.x, q.y - b.y}, {b.x - a.x, b.y - a.y}};
+    double longest = 0;
+    for (const Point& each : steps)
+        longest = std::max({longest, std::fabs(each.x), std::fabs(each.y)});
+    if (!(longest > 0 && std::isfinite(longest))) return {};
+    const auto square = [shift = -std::ilogb(longest)](Point step) {
+        const double x = std::ldexp(step.x, shift), y = std::ldexp(step.y, shift);
+        return x * x + y * y;
+    };
+    return cross_surely(square(steps[0]), square(steps[1]), square(steps[2]));
+}
+
+}  // namespace
+
 bool do_circles_cross(Point a, Point p, Point b, Point q) {
-    const double of_p = square_of_distance(a, p), of_q = square_of_distance(b, q);
-    const double of_ends = square_of_distance(a, b), rest = of_ends - of_p - of_q;
-    const double sum = of_ends + of_p + of_q;
-    if (sum > least_square && sum < greatest_square) {
-        const double error = 32 * unit_roundoff * sum;
-        if (rest < -error) return true;
-        const double difference = rest * rest - 4 * of_p * of_q;
-        if (std::fabs(difference) > error * sum) return rest < 0 || difference < 0;
-    }
-    return do_circles_cross_exact(a, p, b, q);
+    const double of_p = square_of_distance(a, p), of_q = square_of_distance(b, q),
+                 of_ends = square_of_distance(a, b), sum = of_ends + of_p + of_q;
+    const std::optional<bool> sure = sum > least_square && sum < greatest_square
+                                         ? cross_surely(of_p, of_q, of_ends)
+                                         : cross_surely_scaled(a, p, b, q);
+    return sure ? *sure : do_circles_cross_exact(a, p, b, q);
 }
 
 double distance(Point a, Point b) {

@@ -10,16 +10,6 @@
 
 namespace liftmesh::simplification {
 
-// For a part of a run that tells its own progress.
-class Quiet final : public Interrupt {
- public:
-    explicit Quiet(Interrupt& interrupt) : interrupt_(interrupt) {}
-    bool requested() override { return interrupt_.requested(); }
-
- private:
-    Interrupt& interrupt_;
-};
-
 template <class Samples>
 class Cover {
  public:
@@ -165,7 +155,7 @@ Status Cover<Samples>::begin_with(const std::vector<std::uint32_t>& chosen, bool
     std::vector<Point> points(chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) points[i] = samples_.at(chosen[i]).point;
     found.resize(points.size());
-    Quiet quiet(interrupt);
+    QuietInterrupt quiet(interrupt);
     const Status status = mesh_.insert(dynamic::input_of(points), found.data(), quiet);
     if (status != Status::ok) return status;
     for (std::size_t i = 0; i < chosen.size(); ++i) note(found[i], chosen[i], are_fixed);

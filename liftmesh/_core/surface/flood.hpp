@@ -39,10 +39,13 @@ class Flood {
     }
 
     // The first two faces that overlap. If floods are not whole, there are none, and all is
-    // visited.
+    // visited. At a vertex that both have, all faces of one touch all of the other: where none of
+    // its faces overlaps the first face, looking at each would take the product of their numbers.
     std::optional<FloodStart> overlap(std::int32_t face, std::int32_t other) {
         overlaps_ = false;
         overlap_.reset();
+        if (meshes_.is_whole()) look_around(face, other);
+        if (overlap_) return overlap_;
         begin(face, other);
         drain();
         if (overlap_) forget();
@@ -83,6 +86,25 @@ class Flood {
             visit(next);
         }
         pending_.clear();
+    }
+
+    // The face of the first that overlaps one of the second, from one on that touches it.
+    void look_around(std::int32_t face, std::int32_t other) {
+        const Face over = meshes_.face(1, other);
+        begin(face, other);
+        while (!overlap_ && !pending_.empty() && !patience_.ends(16)) {
+            const std::int32_t number = pending_.back();
+            pending_.pop_back();
+            const Face own = meshes_.face(0, number);
+            const FacePair pair(own, over, meshes_.nearness());
+            if (pair.overlap()) overlap_ = {number, other};
+            for (std::size_t side = 0; side < 3; ++side) {
+                const std::int32_t next = meshes_.neighbor(0, number, own, side);
+                if (next >= 0 && is_new(next) && pair.touches(0, side)) begin(next, other);
+            }
+        }
+        pending_.clear();
+        forget();
     }
 
     bool is_new(std::int32_t face) const {
