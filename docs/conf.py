@@ -6,7 +6,7 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docstrings import Looked
-from links import ROOT
+from links import ROOT, address
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -62,6 +62,8 @@ sphinx_gallery_conf = {
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 
+toc_object_entries_show_parents = "hide"
+
 html_theme = "pydata_sphinx_theme"
 html_theme_options = {
     "collapse_navigation": True,
@@ -74,6 +76,12 @@ html_theme_options = {
     "footer_start": ["copyright"],
     "footer_end": [],
 }
+if source := address("Source"):
+    html_theme_options["icon_links"] = [
+        {"name": "Source", "url": source, "icon": "fa-solid fa-code"}
+    ]
+    html_theme_options["navbar_end"] = ["theme-switcher", "navbar-icon-links"]
+html_baseurl = address("Documentation") or ""
 html_context = {"default_mode": "auto"}
 html_title = f"liftmesh {release}"
 html_static_path = ["_static"]

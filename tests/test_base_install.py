@@ -8,6 +8,7 @@ import subprocess
 import sys
 from importlib import metadata
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from commands import ROOT, TERRAIN, liftmesh
@@ -104,7 +105,7 @@ for extra, line in {tries}:
 def test_the_command_without_click_says_what_to_install_and_what_is_there(tmp_path: Path) -> None:
     tries = [[], ["info", str(TERRAIN)], ["--show-completion", "bash"]]
     code = f"from liftmesh.cli import main\nprint([main(words) for words in {tries}])\n"
-    broken = "sys.modules['liftmesh._kernel'] = None\nsys.exit(main(['doctor']))"
+    broken = "sys.modules['liftmesh._kernel'] = None\nsys.exit(main(['doctor', '--json']))"
     done = run(f"{code}\nmain(['doctor'])\n{broken}", tmp_path)
     codes, _, said = done.stdout.partition("\n")
     assert (done.returncode, codes) == (0, str([int(exit_codes.BAD_INPUT)] * len(tries)))
@@ -112,7 +113,7 @@ def test_the_command_without_click_says_what_to_install_and_what_is_there(tmp_pa
     assert done.stderr == len(tries) * (f"liftmesh: error: {told}: pip install 'liftmesh[cli]'\n")
     assert re.search(r"^kernel +\d\S+, by \w+ \d\S+.*, for \w", said, re.MULTILINE)
     assert re.search(r"^numpy +\d", said, re.MULTILINE)
-    assert re.search(r"^kernel +cannot be imported: ", said, re.MULTILINE)
+    assert re.search(r'^  "kernel": "cannot be imported: ', said, re.MULTILINE)
 
 
 def test_the_doctor_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,6 +126,19 @@ def test_the_doctor_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> No
         "[scipy]": scipy,
         "[geo]": f"no no-such, {scipy}: pip install 'liftmesh[geo]'",
     }
+
+
+def test_the_doctor_runs_on_what_is_broken(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown(name: str) -> list[str]:
+        raise metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(metadata, "requires", unknown)
+    monkeypatch.setitem(sys.modules, "liftmesh._kernel", SimpleNamespace(VERSION="0.0.1"))
+    monkeypatch.setitem(sys.modules, "numpy", None)
+    found = findings()
+    assert not [key for key in found if key[0] == "["]
+    assert found["kernel"] == "0.0.1 (of another version than the rest), by unknown, for unknown"
+    assert found["numpy"].startswith("cannot be imported: ")
 
 
 def test_extras_are_those_of_everything() -> None:

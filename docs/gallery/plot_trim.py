@@ -17,7 +17,7 @@ land = places[(radius < 7 + 2 * np.cos(3 * angle)) & (np.hypot(*(places - (1, 1)
 heights = np.sin(land[:, 0] / 2) + np.cos(land[:, 1] / 3)
 surface = liftmesh.triangulate(np.column_stack([land, heights]))
 
-figure, axes = plt.subplots(1, 2, figsize=(9, 4.3), sharex=True, sharey=True)
+figure, axes = plt.subplots(1, 2, figsize=(9, 4.7))
 for ax, name, each in (
     (axes[0], "as triangulated", surface),
     (axes[1], "trim(max_edge=1.2)", surface.trim(max_edge=1.2)),

@@ -75,6 +75,8 @@ def _open_shared(
 ) -> int:
     """Open a file of Windows so that it can be renamed and removed meanwhile."""
     del mode, dir_fd  # Windows has neither
+    if flags & (os.O_TRUNC | os.O_APPEND):
+        raise ValueError("files are neither cut off nor appended to")
     access = {os.O_RDONLY: _READ, os.O_WRONLY: _WRITE, os.O_RDWR: _READ | _WRITE}
     way = _OPEN_EXISTING
     if flags & os.O_CREAT:
@@ -85,7 +87,12 @@ def _open_shared(
     except OSError as error:
         error.filename = os.fspath(path)
         raise
-    descriptor: int = _module("msvcrt").open_osfhandle(handle, flags | getattr(os, "O_BINARY", 0))
+    try:
+        binary: int = flags | getattr(os, "O_BINARY", 0)
+        descriptor: int = _module("msvcrt").open_osfhandle(handle, binary)
+    except OSError:
+        _winapi.CloseHandle(handle)
+        raise
     return descriptor
 
 

@@ -99,8 +99,8 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
 
 def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
-    if words == ["doctor"]:  # which says what is missing: click, perhaps
-        return import_module("liftmesh.cli.doctor").run()
+    if words in (["doctor"], ["doctor", "--json"]):  # which says what is missing: click, perhaps
+        return import_module("liftmesh.cli.doctor").run(json="--json" in words)
     from liftmesh.optional import load
 
     load("click", extra="cli")

@@ -41,7 +41,7 @@ def findings() -> dict[str, str]:
         "kernel": _kernel(),
         "Python": python,
         "system": f"{platform.platform()}, {platform.machine()}",
-        "numpy": _version("numpy") or "missing",
+        "numpy": _numpy(),
         "threads": f"{cores()}{f', {VARIABLE}={asked}' if asked else ''}",
         **{f"[{extra}]": _versions(extra) for extra in _extras("all")},
     }
@@ -53,7 +53,17 @@ def _kernel() -> str:
         kernel = import_module("liftmesh._kernel")
     except ImportError as error:
         return f"cannot be imported: {error}"
-    return f"{kernel.VERSION}, by {kernel.COMPILER}, for {kernel.INSTRUCTIONS}"
+    compiler, machine = (getattr(kernel, name, "unknown") for name in ("COMPILER", "INSTRUCTIONS"))
+    other = "" if liftmesh.__version__ == kernel.VERSION else " (of another version than the rest)"
+    return f"{kernel.VERSION}{other}, by {compiler}, for {machine}"
+
+
+def _numpy() -> str:
+    """Return the version of NumPy, or why it cannot be imported."""
+    try:
+        return str(import_module("numpy").__version__)
+    except ImportError as error:
+        return f"cannot be imported: {error}"
 
 
 def _extras(extra: str) -> list[str]:
@@ -64,10 +74,13 @@ def _extras(extra: str) -> list[str]:
 
 def _needed(extra: str) -> list[str]:
     """Return the requirements of an extra, as the metadata of the installed package has them."""
-    from importlib.metadata import requires
+    from importlib.metadata import PackageNotFoundError, requires
 
     of_it = re.compile(rf"extra == ['\"]{extra}['\"]")
-    return [each for each in requires("liftmesh") or () if of_it.search(each)]
+    try:
+        return [each for each in requires("liftmesh") or () if of_it.search(each)]
+    except PackageNotFoundError:  # sources that were never installed
+        return []
 
 
 def _packages(extra: str) -> list[str]:

@@ -51,20 +51,22 @@ _USE_COLORS = (pictures.GREEN, "#cdbb79", "#d68c45", ACCENT, "#8a7fb5", "#8f8f8f
 def card(result: Any) -> str:
     """Return HTML of less than 100 kB, in which no name or value is markup."""
     try:
-        picture = _picture_of(result)
+        with np.errstate(all="ignore"):
+            picture = _picture_of(result)
     except (UnseenError, LiftmeshError, OSError):  # or the folder of tiles is gone
         picture = None
     figures = {name: text for name, text in figures_of(result).items() if text}
     rows = "".join(
-        f"<tr><td {_CELL}>{escape(name)}</td><td {_CELL}>{escape(_short(text))}</td></tr>"
+        f"<tr><td {_CELL}>{escape(_short(name))}</td><td {_CELL}>{escape(_short(text))}</td></tr>"
         for name, text in [*figures.items()][:_MOST_ROWS]
     )
-    html, note = ("", "") if picture is None else picture
+    drawn, note = ("", "") if picture is None else picture
     small = f'<div style="max-width:{pictures.SIDE}px">{escape(note)}</div>' if note else ""
-    left = f"<div>{html}{small}</div>" if html else ""
+    left = f"<div>{drawn}{small}</div>" if drawn else ""
     name = f"<b>{escape(type(result).__name__)}</b>"
     table = f'<table style="border-collapse:collapse;margin:0;font:inherit">{rows}</table>'
-    return f'<div style="{_AROUND}">{left}<div>{name}{table}</div></div>'
+    html = f'<div style="{_AROUND}">{left}<div>{name}{table}</div></div>'
+    return html.encode(errors="replace").decode()  # names of files may be no text
 
 
 def _short(text: str) -> str:
@@ -161,8 +163,7 @@ def _(result: HullMesh) -> Picture | None:
     mesh = result.to_cloud()
     points = np.array(mesh.points)
     if isinstance(result, LowerHull):  # squares of lengths, as high as half of their width
-        with np.errstate(all="ignore"):
-            points[:, 2] *= 0.5 * np.ptp(points[:, :2]) / np.ptp(points[:, 2])
+        points[:, 2] *= 0.5 * np.ptp(points[:, :2]) / np.ptp(points[:, 2])
     return None if mesh.faces is None else pictures.solid(points, mesh.faces)
 
 

@@ -51,11 +51,13 @@ def planar(ax: Axes, bounds: Sequence[float], crs: str | None) -> Axes:
     """Set axes of a map: equal scales, units, a scale bar, and where north is."""
     left, low, right, high = bounds
     ax.set_aspect("equal")
+    unit = planar_unit(crs)
+    ax.set_xlabel(f"x ({unit})" if unit else "x", parse_math=False)
+    ax.set_ylabel(f"y ({unit})" if unit else "y", parse_math=False)
+    if not np.isfinite([left, low, right, high]).all():  # nothing is drawn
+        return ax
     ax.set_xlim(left, right)
     ax.set_ylim(low, high)
-    unit = planar_unit(crs)
-    ax.set_xlabel(f"x ({unit})" if unit else "x")
-    ax.set_ylabel(f"y ({unit})" if unit else "y")
     ax.ticklabel_format(style="plain", useOffset=False)
     ax.locator_params(axis="x", nbins=5)
     if not is_geographic(crs):

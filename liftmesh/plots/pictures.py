@@ -2,7 +2,8 @@
 
 Lines and dots are SVG in the colour of the text around them, so that they are seen on light and on
 dark; heights are PNG, transparent where there are none. A picture of many things shows a part of
-them, and says so. So each has a bounded size, and takes one pass over the data at most.
+them, and says so. So each has a bounded size, and takes a few passes over the data at most. Whoever
+calls lets NumPy compute with what is too large, or no number.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ _MARGIN = 4  # pixels around lines
 GREEN = "#2f8f76"
 _TURN, _TILT = np.radians([-30.0, 25.0])  # how solids are seen
 _COLORS = np.array([[int(x[k : k + 2], 16) for k in (1, 3, 5)] for x in TERRAIN[:-1]])  # no white
+_GREY = np.array([143, 143, 143], np.uint8)
 _INK = {"fill": "none", "stroke": "currentColor"}
 THIN: dict[str, Any] = {**_INK, "stroke-width": 0.6, "stroke-opacity": 0.75}
 PALE: dict[str, Any] = {**THIN, "fill": "currentColor", "fill-opacity": 0.06}
@@ -54,12 +56,11 @@ class Box:
 
     def __init__(self, bounds: Sequence[float], *, to_scale: bool = True, margin: int = 0) -> None:
         left, low, right, high = bounds
-        with np.errstate(all="ignore"):
-            size = np.maximum([right - left, high - low], 0)
-            least = max(abs(left), abs(low), 1.0) * 1e-9
-            step = np.maximum(size / (SIDE - 2 * margin), least if size.max() <= 0 else 0)
-            step = np.full(2, step.max()) if to_scale else np.where(step > 0, step, 1)
-            inner = size / step
+        size = np.maximum([right - left, high - low], 0)
+        least = max(abs(left), abs(low), 1.0) * 1e-9
+        step = np.maximum(size / (SIDE - 2 * margin), least if size.max() <= 0 else 0)
+        step = np.full(2, step.max()) if to_scale else np.where(step > 0, step, 1)
+        inner = size / step
         if not np.isfinite(inner).all():
             raise UnseenError
         shape = np.maximum(inner + 2 * margin, [_SHORT, _SHORT])
@@ -69,8 +70,7 @@ class Box:
 
     def pixels(self, places: Floats) -> Floats:
         """Return x from the left and y from the top."""
-        with np.errstate(all="ignore"):
-            away = (places - self._middle) / self.step
+        away = (places - self._middle) / self.step
         placed: Floats = away * [1, -1] + self.shape / 2
         return placed
 
@@ -140,8 +140,7 @@ def relief(heights: Array, *, shaded: bool = True) -> Array:
     is_known = np.isfinite(heights)
     values = np.where(is_known, heights, np.nan).astype(float)
     low, high = (np.nanmin(values), np.nanmax(values)) if is_known.any() else (0.0, 0.0)
-    with np.errstate(all="ignore"):
-        shares = np.nan_to_num((values - low) / (high - low), nan=0.5)
+    shares = np.nan_to_num((values - low) / (high - low), nan=0.5)
     pixels = colors_of(shares)
     if shaded and min(values.shape) > 1:
         pixels = np.minimum(pixels * _light(shares, is_known)[..., None], 255)
@@ -173,6 +172,8 @@ def dots(points: Floats, heights: Floats, colors: Array | None = None) -> Pictur
     shown = np.flatnonzero(np.isfinite(points[::every]).all(axis=1)) * every
     places, note = points[shown], f"one in {every} of {len(points):,} rows" if every > 1 else ""
     box = Box(planar_bounds(places), margin=_MARGIN)
+    if colors is None and not np.isfinite(heights[shown]).any():
+        colors = np.broadcast_to(_GREY, (len(points), 3))
     if len(places) <= _MOST_DOTS:
         return Picture(svg(box, path(box, places[:, None], **{**DOT, "stroke": GREEN})), note)
     share = np.clip(np.sqrt(len(places)) / 150, 0.2, 1.0)
@@ -189,8 +190,7 @@ def dots(points: Floats, heights: Floats, colors: Array | None = None) -> Pictur
 
 
 def _means(pixel: Array, values: Array, count: Array) -> Floats:
-    with np.errstate(all="ignore"):
-        sums: Floats = np.bincount(pixel, values, minlength=len(count)) / count
+    sums: Floats = np.bincount(pixel, values, minlength=len(count)) / count
     return sums
 
 
@@ -201,8 +201,7 @@ def nearest(points: Floats, count: int = MOST) -> Array:
     sample = points[:: max(1, len(points) // 10_000)]
     sample = sample[np.isfinite(sample).all(axis=1)]
     middle = np.median(sample, axis=0) if len(sample) else np.zeros(2)
-    with np.errstate(all="ignore"):
-        away = np.maximum(*(np.abs(points[:, k] - middle[k]) for k in range(2)))
+    away = np.maximum(*(np.abs(points[:, k] - middle[k]) for k in range(2)))
     return np.sort(np.argpartition(away, count)[:count])
 
 
@@ -239,8 +238,7 @@ def solid(points: Floats, faces: Rows) -> Picture:
     order = np.argsort(-depth[corners].mean(axis=1))
     first, second, third = (points[faces[:, k]] for k in range(3))
     normals = np.cross(second - first, third - first)
-    with np.errstate(all="ignore"):
-        steep = np.abs(normals @ [-0.4, -0.3, 0.87]) / np.linalg.norm(normals, axis=1)
+    steep = np.abs(normals @ [-0.4, -0.3, 0.87]) / np.linalg.norm(normals, axis=1)
     shades = colors_of(0.15 + 0.6 * np.nan_to_num(steep)).astype(int)
     shapes = [
         path(box, [seen[corners[k]]], closed=True, fill="rgb({},{},{})".format(*shades[k]),
@@ -257,29 +255,31 @@ def polylines(
     box = Box(planar_bounds(points), margin=_MARGIN, to_scale=to_scale)
     pixels = box.pixels(points)
     for size in _COARSE:
-        lines = _thinned(points, pixels / size, starts)
-        if sum(map(len, lines)) <= _MOST_PLACES:
+        kept, counts = _thinned(pixels / size, starts)
+        every = np.maximum(1, -(-counts // _MOST_PLACES))
+        sizes = -(-counts // every)
+        if sizes.sum() <= _MOST_PLACES:
             break
-    order = np.argsort([-len(each) for each in lines], kind="stable")[:_MOST_PLACES]
-    ends = np.cumsum([len(lines[k]) for k in order.tolist()])
-    shown = np.sort(order[: max(1, np.searchsorted(ends, _MOST_PLACES, "right"))]).tolist()
-    is_strong = np.zeros(len(lines), np.bool_) if strong is None else strong
+    order = np.argsort(-sizes, kind="stable")[:_MOST_PLACES]
+    most = max(1, np.searchsorted(np.cumsum(sizes[order]), _MOST_PLACES, "right"))
+    shown, ends = np.sort(order[:most]).tolist(), np.cumsum(counts)
+    lines = {k: points[kept[ends[k] - counts[k] : ends[k] : every[k]]] for k in shown}
+    is_strong = np.zeros(len(counts), np.bool_) if strong is None else strong
     thin = [lines[k] for k in shown if not is_strong[k]]
     thick = [lines[k] for k in shown if is_strong[k]]
     color: dict[str, Any] = {} if to_scale else {"stroke": GREEN, "stroke-width": 1.4}
     shapes = path(box, thin, **{**THIN, **color}), path(box, thick, **{**THIN, "stroke-width": 1.3})
-    note = "" if len(shown) == len(lines) else f"the longest of {len(lines):,} lines"
+    note = "" if len(shown) == len(counts) else f"the longest of {len(counts):,} lines"
     return Picture(svg(box, *shapes), note)
 
 
-def _thinned(points: Floats, pixels: Floats, starts: Array) -> list[Floats]:
-    """Leave out points in the pixel of the one before, and of long lines more."""
+def _thinned(pixels: Floats, starts: Array) -> tuple[Array, Array]:
+    """Leave out points in the pixel of the one before; return the others, and how many a line."""
     at, line = np.round(pixels), np.repeat(np.arange(len(starts) - 1), np.diff(starts))
-    moves = np.ones(len(points), np.bool_)
+    moves = np.ones(len(pixels), np.bool_)
     moves[1:] = (at[1:] != at[:-1]).any(axis=1) | (line[1:] != line[:-1])
     kept = np.flatnonzero(moves & np.isfinite(at).all(axis=1))
-    parts = np.split(points[kept], np.searchsorted(line[kept], np.arange(1, len(starts) - 1)))
-    return [part[:: max(1, -(-len(part) // _MOST_PLACES))] for part in parts]
+    return kept, np.bincount(line[kept], minlength=len(starts) - 1)
 
 
 def bars(shares: Sequence[float], colors: Sequence[str], height: int = 14) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import singledispatch
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -223,7 +224,8 @@ def _pixels(
     ax.imshow(pixels, extent=extent, origin="upper", interpolation="nearest")
     if colorbar:
         unit = f" ({raster.unit})" if raster.unit else ""
-        ax.figure.colorbar(scale, ax=ax, label=f"{raster.quantity}{unit}", shrink=0.8)
+        bar = ax.figure.colorbar(scale, ax=ax, shrink=0.8)
+        bar.set_label(f"{raster.quantity}{unit}", parse_math=False)
     return ax
 
 
@@ -245,9 +247,9 @@ def _contours(contours: Contours, ax: Axes, **style: Any) -> Axes:
 def _(result: Profile, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
     pairs = np.column_stack([result.distances, result.points[:, 2]])
-    for number, part in enumerate(np.split(pairs, result.starts[1:-1])):
-        color = f"C{result.lines[number] % 10}"
-        ax.plot(*part.T, **styled(style, color=color, linewidth=1.2))
+    for line, (begin, end) in zip(result.lines, pairwise(result.starts), strict=True):
+        usual = {"color": f"C{line % 10}", "linewidth": 1.2}
+        ax.plot(*pairs[begin:end].T, **styled(style, **usual))
     ax.set_xlabel("distance" if result.stations is None else "offset")
     ax.set_ylabel("height")
     ax.grid(alpha=0.3)

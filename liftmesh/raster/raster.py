@@ -7,6 +7,7 @@ known by the name of their class.
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -80,7 +81,8 @@ class Raster(FrozenResult, Plotted):
     def __repr__(self) -> str:
         rows, columns = self.values.shape
         unit = f" in {self.unit}" if self.unit else ""
-        return f"<Raster of {columns:,} x {rows:,} pixels: {self.quantity}{unit}>"
+        name = self.quantity if self.quantity.isidentifier() else reprlib.repr(self.quantity)
+        return f"<Raster of {columns:,} x {rows:,} pixels: {name}{unit}>"
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

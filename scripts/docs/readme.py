@@ -33,6 +33,6 @@ def absolute(path: str, is_picture: bool) -> str | None:
 
 if __name__ == "__main__":
     if "--write" in sys.argv[1:]:
-        README.write_text(readme(), encoding="utf-8")
+        README.write_text(readme(), encoding="utf-8", newline="\n")
     else:
         sys.stdout.write(readme())

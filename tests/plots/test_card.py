@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import io
+import os
 import re
 import warnings
 from collections.abc import Callable
@@ -147,6 +148,8 @@ def test_hostile_names_and_values_are_text() -> None:
     assert figures(parsed(named.to_cloud()))["coordinate system"].count("script") > 0
     long = liftmesh.WriteResult(Path("x" * 10**6), HOSTILE, 1, None, (HOSTILE,) * 999)
     assert figures(parsed(long))["format"] == HOSTILE
+    parsed(liftmesh.WriteResult(Path(os.fsdecode(b"a\xff.ply")), "ply", 1, None, ()))
+    parsed(liftmesh.Raster(np.ones((3, 3)), (1, 0, 0, 0, -1, 0), quantity="\n" * 10**6))
 
 
 @pytest.mark.parametrize(
@@ -156,6 +159,10 @@ def test_hostile_names_and_values_are_text() -> None:
         Cloud(np.full((5, 3), np.nan)),
         Cloud(np.array([[1e308, -1e308, 0], [-1e308, 1e308, np.inf]])),
         Cloud(np.ones((3000, 3))),
+        Cloud(np.array([[0, 0, np.inf], [1, 0, -np.inf], [0, 1, 0]]), faces=np.array([[0, 1, 2]])),
+        liftmesh.tetrahedralize((RNG.random((20, 3)) - 0.5) * 1e300),
+        liftmesh.lower_hull(RNG.random((20, 3)) * 1e300),
+        liftmesh.triangulate([[0, 0, 1], [1, 0, 1e-200], [0, 1, 0], [1, 1, 1e-200]]),
         liftmesh.Raster(np.full((3, 3), np.nan), (1, 0, 0, 0, -1, 0)),
         liftmesh.Raster(np.empty((0, 4)), (1, 0, 0, 0, -1, 0)),
         liftmesh.Raster(RNG.random((700, 900)), (1, 0.5, 0, 0, 1, 0)),
@@ -173,6 +180,27 @@ def test_hostile_names_and_values_are_text() -> None:
 def test_what_can_hardly_be_drawn_has_a_card(result: Any) -> None:
     with np.errstate(all="raise"):
         parsed(result)
+
+
+def test_points_without_a_height_are_grey() -> None:
+    drawn = pixels(parsed(Cloud(np.column_stack([RNG.random((2000, 2)), np.full(2000, np.nan)]))))
+    assert {*map(tuple, drawn[drawn[..., 3] > 0].tolist())} == {(136, 136, 136, 255)}
+
+
+def test_of_many_lines_the_longest_are_shown() -> None:
+    short = np.tile([[0.0, 0], [3, 3]], (5000, 1)) + np.repeat(
+        RNG.random((5000, 2)) * 90, 2, axis=0
+    )
+    points = np.concatenate([short, [[0, 0], [90, 0], [90, 90]]])
+    starts, count = np.append(np.arange(0, 10_001, 2), 10_003), 5001
+    flags = np.zeros(count, np.bool_)
+    lines = liftmesh.Contours(points, starts, np.zeros(count), flags, flags)
+    card = parsed(lines)
+    (thin,) = [each for each in card.iter() if each.tag.endswith("path")]
+    drawn = [each.split("L") for each in thin.attrib["d"].split("M")[1:]]
+    assert len(drawn[-1]) == 3
+    assert sum(map(len, drawn)) in (5999, 6000)
+    assert any(each.text == "the longest of 5,001 lines" for each in card.iter("div"))
 
 
 def test_noise_is_bounded() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from pathlib import Path
 from typing import Any
@@ -96,6 +97,17 @@ def test_what_cannot_be_drawn_is_told() -> None:
         liftmesh.plot(turned)
     with pytest.raises(UnsupportedTypeError):
         liftmesh.plot(object())
+
+
+def test_names_that_would_be_formulas_and_results_of_nothing() -> None:
+    name = "$\\bad{$"
+    hill = liftmesh.triangulate(liftmesh.Cloud(HILL, attributes={name: HILL[:, 2]}))
+    for ax in (hill.plot(values=name), hill.raster(1, values=name).plot()):
+        ax.figure.savefig(io.BytesIO())
+        assert name in [each.get_ylabel() for each in ax.figure.axes]
+    nowhere = hill.profile([[90, 90], [99, 99]])
+    for empty in (hill.contours([99]), nowhere, liftmesh.Cloud(np.full((5, 3), np.nan))):
+        liftmesh.plot(empty).figure.savefig(io.BytesIO())
 
 
 def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:

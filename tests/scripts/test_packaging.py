@@ -27,12 +27,9 @@ EXTRAS = PROJECT["optional-dependencies"]
 BY_CONDA = {"matplotlib-base": "matplotlib"}  # names that differ
 
 
-def needs(requirements: list[Any]) -> set[str]:
-    """Return requirements without blanks, conda's names as Python's, and without Python itself."""
-    windows = {each["then"] for each in requirements if isinstance(each, dict)}
-    marked = {f"{each}; sys_platform == 'win32'" for each in windows}
-    plain = {each.replace(" ", "") for each in requirements if isinstance(each, str)}
-    plain |= {each.replace(" ", "") for each in marked}
+def needs(requirements: list[str]) -> set[str]:
+    """Return requirements without blanks, conda's names as Python's; not Python, nor Windows'."""
+    plain = {each.replace(" ", "") for each in requirements if "win32" not in each}
     for name, of_python in BY_CONDA.items():
         plain = {each.replace(name, of_python) for each in plain}
     return plain - {"python", "pip"}
@@ -49,7 +46,9 @@ def test_the_recipe_has_the_requirements_of_the_project() -> None:
     assert needs(parts["host"]) - base - cli == needs(CONFIG["build-system"]["requires"])
     optional = {each for extra in EXTRAS.values() for each in needs(extra)}
     assert needs(parts["run_constraints"]) <= optional
-    assert (ROOT / recipe["about"]["license_file"]).is_file()
+    assert recipe["about"]["license_file"] == PROJECT["license-files"]
+    assert all((ROOT / name).is_file() for name in PROJECT["license-files"])
+    assert recipe["build"]["skip"] == ["win"]
     script = str(recipe["build"]["script"])
     assert all((ROOT / name).is_file() for name in re.findall(r"scripts/\S+\.py", script))
 
