@@ -36,7 +36,8 @@ def check_contents(wheel: Path) -> str:
     kernels = [n for n in names if n.startswith("liftmesh/_kernel.") and n.endswith(suffixes)]
     require(len(kernels) == 1, f"one compiled kernel, not {kernels}")
     require({"liftmesh/py.typed", "liftmesh/_kernel.pyi"} <= set(names), "types are shipped")
-    licences = {name.rpartition("/")[2] for name in names if "/licenses/" in name}
+    files = (name for name in names if "/licenses/" in name and not name.endswith("/"))
+    licences = {name.rpartition("/")[2] for name in files}
     require(licences == {"LICENSE", "LICENSE.fast_float"}, f"licences are shipped: {licences}")
     ours = ("liftmesh/", "liftmesh-", "liftmesh.libs/")  # the last of repaired wheels
     stray = [n for n in names if "_core/" in n.split("/licenses/")[0] or not n.startswith(ours)]

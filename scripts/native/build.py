@@ -73,10 +73,11 @@ class Program:
         return "clang" in Path(self.compiler[0]).name
 
     def sources(self) -> list[Path]:
-        """List its own sources, and the kernel's but for the bindings."""
+        """List its own sources, and the kernel's but for its interfaces."""
         own = [*sorted(self.folder.glob("*.cpp")), *self.others]
         replaced = {source.name for source in own}
-        kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.parent.name != "bindings"]
+        rooms = [p for p in sorted(KERNEL.iterdir()) if p.name not in {"bindings", "library"}]
+        kernel = [source for room in rooms for source in sorted(room.glob("*.cpp"))]
         return [*own, *(p for p in kernel if p.name not in replaced)]
 
 

@@ -2,6 +2,7 @@
 
     python scripts/wheels                        all steps: half an hour of a processor
     python scripts/wheels manylinux kernels      some of them
+    python scripts/wheels kernels --system macOS the kernel for some systems
     python scripts/wheels --python python3.11 --python /opt/python3.13/bin/python3
     python scripts/wheels aarch64 --root FOLDER  a root of Debian for arm64, with python3.11
     python scripts/wheels --write                puts the table in docs/project/platforms.md
@@ -67,6 +68,7 @@ def read_options() -> Namespace:
         "steps", nargs="*", choices=[*STEPS, []], metavar="STEP", help="default: all"
     )
     parser.add_argument("--python", action="append", help="an interpreter; default: those found")
+    parser.add_argument("--system", default="", help="the kernel for those whose name has this")
     parser.add_argument("--root", type=Path, help="a root of Debian for arm64 with Python")
     parser.add_argument("--keep", type=Path, help="where wheels are copied to")
     parser.add_argument("--write", action="store_true", help="put the table in the documentation")
@@ -127,9 +129,9 @@ def aarch64(options: Namespace, folder: Path) -> Iterator[Outcome]:
     yield Outcome(AARCH64.name, made.told(), said.told, said.faults)
 
 
-def kernels(_: Namespace, __: Path) -> Iterator[Outcome]:
-    """Build the kernel for every system."""
-    yield from map(check_kernel, SYSTEMS)
+def kernels(options: Namespace, _: Path) -> Iterator[Outcome]:
+    """Build the kernel for every system, or those that are asked for."""
+    yield from map(check_kernel, (each for each in SYSTEMS if options.system in each.name))
 
 
 def keep(options: Namespace, path: Path) -> None:

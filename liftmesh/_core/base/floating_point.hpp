@@ -15,7 +15,7 @@
 #ifdef __FAST_MATH__
 #error "liftmesh is exact only in IEEE arithmetic: build it without -ffast-math and -Ofast"
 #endif
-static_assert(FLT_EVAL_METHOD == 0 && std::numeric_limits<double>::is_iec559,
+static_assert(__FLT_EVAL_METHOD__ == 0 && std::numeric_limits<double>::is_iec559,
               "the filters need doubles that are rounded after every operation");
 
 namespace liftmesh {

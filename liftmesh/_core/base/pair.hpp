@@ -78,7 +78,8 @@ inline bool are_equal(Pair p, Pair q) {
 }
 
 inline bool is_finite(Pair p) {
-    const PairBits finite = magnitudes(p) <= Pair{DBL_MAX, DBL_MAX};
+    constexpr double most = std::numeric_limits<double>::max();
+    const PairBits finite = magnitudes(p) <= Pair{most, most};
     return (finite[0] & finite[1]) != 0;
 }
 

@@ -6,10 +6,11 @@
  *     for (size_t t = 0; t < lm_triangle_count(mesh); ++t) use(lm_triangles(mesh) + 3 * t);
  *     lm_free(mesh);
  *
- * Every result is that of the Python package, row for row, on any number of threads and any
- * machine. Functions may be called by several threads at once; a mesh may be read by several, and
- * is never changed. Nothing throws, prints, or touches files. Names, numbers and meanings here stay
- * within a major version, to which later ones only add.
+ * Every result is that of the Python package, row for row, on any number of threads; with another
+ * standard library of C++ the same triangles may come in another order. Functions may be called by
+ * several threads at once; a mesh may be read by several, and is never changed. Nothing throws,
+ * prints, or touches files. Names, numbers and meanings here stay within a major version, to which
+ * later ones only add.
  */
 #ifndef LIFTMESH_H
 #define LIFTMESH_H
@@ -54,7 +55,7 @@ typedef struct lm_mesh lm_mesh;
  * triangulation with LM_OK, one without triangles with LM_NON_FINITE, else NULL. */
 LM_API int lm_delaunay(const double* points, size_t n, unsigned threads, lm_mesh** mesh);
 
-/* Triangles: three rows each, counter-clockwise. Their order, too, depends on the rows alone. */
+/* Triangles: three rows each, counter-clockwise. */
 LM_API size_t lm_triangle_count(const lm_mesh* mesh);
 LM_API const int32_t* lm_triangles(const lm_mesh* mesh);
 

@@ -32,8 +32,9 @@ class Cell {
     }
 
  private:
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
-    Pair from_{-DBL_MAX, -DBL_MAX}, to_{infinity, infinity};
+    static constexpr double infinity = std::numeric_limits<double>::infinity(),
+                            lowest = std::numeric_limits<double>::lowest();
+    Pair from_{lowest, lowest}, to_{infinity, infinity};
 };
 
 class Splitters {
