@@ -33,6 +33,9 @@ def compare_calls(path: Path, sets: list[Points]) -> list[str]:
         wrong.append("ctypes: a null pointer")
     if library.lm_delaunay(spoilt.ctypes, 10**9, 1, ctypes.byref(Mesh())) != 4:
         wrong.append("ctypes: too many rows")
+    if called(library, np.zeros((0, 2)))[0] != TOO_FEW or any(lengths_of(library, Mesh()).values()):
+        wrong.append("ctypes: no mesh")
+    library.lm_free(None)
     if library.lm_version().decode() != liftmesh.__version__:
         wrong.append("ctypes: the version")
     print(f"ctypes: {len(asked)} sets, {len(wrong)} faults")
@@ -62,20 +65,23 @@ def called(library: ctypes.CDLL, points: Points) -> Found:
     status = library.lm_delaunay(rows.ctypes, len(rows), 2, ctypes.byref(mesh))
     if not mesh:
         return status, {}
-    triangles, hull = library.lm_triangle_count(mesh), library.lm_hull_count(mesh)
-    lengths = {
-        "triangles": 3 * triangles,
-        "neighbors": 3 * triangles,
-        "hull": hull,
-        "duplicates": 2 * library.lm_duplicate_count(mesh),
-    }
     arrays = {
         name: copied(getattr(library, f"lm_{name}")(mesh), length)
-        for name, length in lengths.items()
+        for name, length in lengths_of(library, mesh).items()
     }
     arrays["row"] = np.array([library.lm_row(mesh)])
     library.lm_free(mesh)
     return status, arrays
+
+
+def lengths_of(library: ctypes.CDLL, mesh: Mesh) -> dict[str, int]:
+    triangles = library.lm_triangle_count(mesh)
+    return {
+        "triangles": 3 * triangles,
+        "neighbors": 3 * triangles,
+        "hull": library.lm_hull_count(mesh),
+        "duplicates": 2 * library.lm_duplicate_count(mesh),
+    }
 
 
 def copied(address: int | None, length: int) -> np.ndarray:

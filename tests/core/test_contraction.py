@@ -42,9 +42,11 @@ FUSING = "-ffp-contract=fast"
 def options() -> list[str]:
     """What the build tells the compiler about contraction, for all that includes the kernel."""
     listed = (CORE / "CMakeLists.txt").read_text("utf-8")
-    by_driver = re.findall(r"target_compile_options\(liftmesh_core PUBLIC ([^\n]*)\)", listed)
-    (public,) = {flags.replace("/clang:", "") for flags in by_driver}
-    return public.split()
+    (public,) = re.findall(r"target_compile_options\(liftmesh_core PUBLIC ([^\n]*)\)", listed)
+    assert public == "$<BUILD_INTERFACE:${no_contraction}>"
+    by_driver = re.findall(r"set\(no_contraction ([^\n]*)\)", listed)
+    (flags,) = {each.replace("/clang:", "") for each in by_driver}
+    return flags.split()
 
 
 def build(target: Path, contraction: list[str], *sources: Path) -> Path:

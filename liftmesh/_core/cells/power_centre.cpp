@@ -238,9 +238,7 @@ class IntegerCircle {
         const double size = std::fabs(value), units = std::ldexp(size, points_.shift());
         return error < 0x1p-54 * size && units > 0x1p-6 && units < 0x1p61;
     }
-    Int128 on_finer_lattice(double value) const {
-        return static_cast<Int128>(std::ldexp(value, exponent()));
-    }
+    Int128 on_finer_lattice(double value) const { return whole(std::ldexp(value, exponent())); }
     static Wide<2> wide(Int128 value) {
         const auto bits = static_cast<Uint128>(value);
         return {static_cast<std::uint64_t>(bits), static_cast<std::uint64_t>(bits >> 64)};

@@ -13,6 +13,8 @@ struct lm_mesh {
 
 namespace {
 
+constexpr unsigned most_threads = 1024;  // as of the Python package
+
 static_assert(LM_MOST_ROWS == liftmesh::most_rows);
 static_assert(sizeof(liftmesh::Duplicate) == 2 * sizeof(std::int32_t));
 
@@ -38,7 +40,8 @@ int triangulate(const double* points, std::size_t n, unsigned threads, lm_mesh**
     const unsigned limit = threads != 0 ? threads : std::thread::hardware_concurrency();
     liftmesh::NoInterrupt nothing;
     auto found = std::make_unique<lm_mesh>();
-    found->found = liftmesh::delaunay(input, false, {std::max(limit, 1u), false}, nothing);
+    found->found =
+        liftmesh::delaunay(input, false, {std::clamp(limit, 1u, most_threads), false}, nothing);
     const int status = status_of(found->found.status);
     if (status == LM_OK || status == LM_NON_FINITE) *mesh = found.release();
     return status;
@@ -58,35 +61,35 @@ int lm_delaunay(const double* points, size_t n, unsigned threads, lm_mesh** mesh
 }
 
 size_t lm_triangle_count(const lm_mesh* mesh) {
-    return mesh->found.result.triangle_count;
+    return mesh ? mesh->found.result.triangle_count : 0;
 }
 
 const int32_t* lm_triangles(const lm_mesh* mesh) {
-    return mesh->found.result.simplices.get();
+    return mesh ? mesh->found.result.simplices.get() : nullptr;
 }
 
 const int32_t* lm_neighbors(const lm_mesh* mesh) {
-    return mesh->found.result.neighbors.get();
+    return mesh ? mesh->found.result.neighbors.get() : nullptr;
 }
 
 size_t lm_hull_count(const lm_mesh* mesh) {
-    return mesh->found.result.hull_count;
+    return mesh ? mesh->found.result.hull_count : 0;
 }
 
 const int32_t* lm_hull(const lm_mesh* mesh) {
-    return mesh->found.result.hull.get();
+    return mesh ? mesh->found.result.hull.get() : nullptr;
 }
 
 size_t lm_duplicate_count(const lm_mesh* mesh) {
-    return mesh->found.duplicates.size();
+    return mesh ? mesh->found.duplicates.size() : 0;
 }
 
 const int32_t* lm_duplicates(const lm_mesh* mesh) {
-    return reinterpret_cast<const int32_t*>(mesh->found.duplicates.data());
+    return mesh ? reinterpret_cast<const int32_t*>(mesh->found.duplicates.data()) : nullptr;
 }
 
 size_t lm_row(const lm_mesh* mesh) {
-    return mesh->found.row;
+    return mesh ? mesh->found.row : 0;
 }
 
 void lm_free(lm_mesh* mesh) {
@@ -110,7 +113,7 @@ const char* lm_message(int status) {
         case LM_BAD_ARGUMENT:
             return "a pointer is NULL";
         case LM_FAILED:
-            return "the system gave no thread, or this build rounds unlike IEEE 754";
+            return "the system failed, or this build rounds unlike IEEE 754";
         default:
             return "no status of liftmesh";
     }

@@ -3,14 +3,14 @@
  *     lm_mesh *mesh = NULL;
  *     int status = lm_delaunay(points, n, 0, &mesh);
  *     if (status != LM_OK) fprintf(stderr, "%s\n", lm_message(status));
- *     for (size_t t = 0; t < lm_triangle_count(mesh); ++t) use(lm_triangles(mesh) + 3 * t);
+ *     else for (size_t t = 0; t < lm_triangle_count(mesh); ++t) use(lm_triangles(mesh) + 3 * t);
  *     lm_free(mesh);
  *
  * Every result is that of the Python package, row for row, on any number of threads; with another
  * standard library of C++ the same triangles may come in another order. Functions may be called by
  * several threads at once; a mesh may be read by several, and is never changed. Nothing throws,
- * prints, or touches files. Names, numbers and meanings here stay within a major version, to which
- * later ones only add.
+ * prints, or touches files. A mesh that is NULL has no triangles, and no rows. Names, numbers and
+ * meanings here stay within a minor version.
  */
 #ifndef LIFTMESH_H
 #define LIFTMESH_H
@@ -41,7 +41,7 @@ enum {
     LM_TOO_MANY = 4,   /* more than LM_MOST_ROWS rows */
     LM_NO_MEMORY = 5,
     LM_BAD_ARGUMENT = 6, /* a pointer is NULL */
-    LM_FAILED = 7 /* the system gave no thread, or the build rounds otherwise than IEEE 754 */
+    LM_FAILED = 7        /* the system failed, or the build rounds otherwise than IEEE 754 */
 };
 
 #define LM_MOST_ROWS ((size_t)357913941)
@@ -51,8 +51,9 @@ typedef struct lm_mesh lm_mesh;
 /* Triangulates n points: x and y of the first, then of the second, and so on. Where four or more
  * lie on a circle, the choice depends on the set of points alone. Further rows at the position of
  * one are left out, and listed. At most so many threads work, the caller's among them; 0 stands for
- * as many as the machine runs at once. `*mesh` is set in any case, and given back by lm_free: the
- * triangulation with LM_OK, one without triangles with LM_NON_FINITE, else NULL. */
+ * as many as the machine runs at once, and no more than 1024 do. `*mesh` is set in any case, and
+ * given back by lm_free: the triangulation with LM_OK, one without triangles with LM_NON_FINITE,
+ * else NULL. */
 LM_API int lm_delaunay(const double* points, size_t n, unsigned threads, lm_mesh** mesh);
 
 /* Triangles: three rows each, counter-clockwise. */

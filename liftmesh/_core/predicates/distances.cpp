@@ -46,10 +46,10 @@ bool do_circles_cross_exact(Point a, Point p, Point b, Point q) {
 
 // Below 2^-1020: in units of the least double, of which all are multiples.
 double tiny_distance(Point a, Point b, double not_less) {
-    const auto whole = [](double value) { return static_cast<Int128>(std::ldexp(value, 1074)); };
-    const Int128 x = whole(a.x - b.x), y = whole(a.y - b.y);
+    const auto units = [](double value) { return whole(std::ldexp(value, 1074)); };
+    const Int128 x = units(a.x - b.x), y = units(a.y - b.y);
     return nearest_double(not_less, [&](NumberOfDouble number) {
-        const Int128 twice_middle = whole(double_of(number)) + whole(double_of(number + 1));
+        const Int128 twice_middle = units(double_of(number)) + units(double_of(number + 1));
         if (twice_middle < 0) return 1;
         return sign_of_whole(4 * (x * x + y * y) - twice_middle * twice_middle);
     });

@@ -11,6 +11,22 @@ namespace liftmesh {
 __extension__ using Int128 = __int128;
 __extension__ using Uint128 = unsigned __int128;
 
+// A whole double of less than 2^127. By a cast compilers would call their runtime library, which
+// not all of them link.
+inline Int128 whole(double value) {
+    int exponent = 0;
+    const auto digits = static_cast<std::int64_t>(std::ldexp(std::frexp(value, &exponent), 53));
+    return exponent >= 53 ? Int128{digits} << (exponent - 53) : Int128{digits >> (53 - exponent)};
+}
+
+// The nearest double, the even one of two; nor is that a cast.
+inline double rounded(Uint128 value) {
+    const int past = std::bit_width(static_cast<std::uint64_t>(value >> 64));
+    const bool inexact = (value & ((Uint128{1} << past) - 1)) != 0;
+    return std::ldexp(static_cast<double>(static_cast<std::uint64_t>(value >> past) | inexact),
+                      past);
+}
+
 template <int N>
 struct Wide {
     std::array<std::uint64_t, N> limb;

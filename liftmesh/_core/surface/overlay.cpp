@@ -62,7 +62,7 @@ class Total {
         Uint128 lead = 0;
         for (std::size_t i = 0; i < 4; ++i) lead = lead << 32 | digits_[top - i];
         for (std::size_t i = 0; i + 3 < top; ++i) lead |= digits_[i] != 0;
-        return std::ldexp(static_cast<double>(lead),
+        return std::ldexp(liftmesh::rounded(lead),
                           32 * static_cast<int>(top - 3) + least_exponent + exponent);
     }
 
