@@ -505,6 +505,7 @@ def _check_range(*surfaces: SurfaceData) -> None:
     It does not scale what is below 2**400, nor are the products of those beyond the doubles.
     """
     sizes = np.concatenate([np.abs(each.triangulation.points).ravel() for each in surfaces])
+    sizes = sizes[np.isfinite(sizes)]  # of other rows there are no faces
     most = float(sizes.max())
     scaled = -math.frexp(most)[1] + 1
     if most < _SCALED or (np.ldexp(np.ldexp(sizes, scaled), -scaled) == sizes).all():

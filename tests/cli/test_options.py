@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Annotated, Any, TypeAlias, get_args
 
+import click
 import pytest
 
 from liftmesh.cli import options
@@ -65,7 +66,7 @@ def test_one_way_to_lift_is_taken() -> None:
     metric = options.metric("2,0.5,1")
     assert options.lifting(None, None, metric) == {"metric": metric}
     assert options.lifting("w", None, None) == {"weights": "w"}
-    with pytest.raises(options.click.BadParameter, match="--weights and --radii are given"):
+    with pytest.raises(click.BadParameter, match="--weights and --radii are given"):
         options.lifting("w", "r", None)
 
 

@@ -9,7 +9,7 @@ from array_forms import FORMS
 from growth.counting import count
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_no_form_of_the_points_costs_a_tenth_more(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"))
     plain, *others = (each.instructions for each in count("array_forms:prepare", [*FORMS]))

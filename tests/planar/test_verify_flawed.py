@@ -55,7 +55,7 @@ def test_the_rows_of_several_boundaries_are_their_lowest() -> None:
     assert [each.rows[0] for each in flaw.first] == [0, around.min()]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_flaw_costs_hardly_more_than_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"))
     none, *flawed = (each.instructions for each in count("flawed_meshes:prepare", [*FLAWS]))

@@ -24,7 +24,7 @@ def test_both_programs_make_the_same_cells() -> None:
     assert sorted(shapely.area(theirs)) == pytest.approx(sorted(ours.areas), abs=1e-12)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_table_is_printed(tmp_path: Path) -> None:
     held = tmp_path / "made" / "cells.json"
     words = ["--n", "300", "--most", "200", "--rounds", "1", "--json", str(held)]

@@ -74,7 +74,7 @@ def test_the_sort_is_timed_but_is_no_rival(measurement: Measurement) -> None:
     assert measurement.against_best(1) == measurement.ratio(ours(1), best) > 0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_wrong_peer_is_flagged_and_does_not_count() -> None:
     found = run_case(Case("utm-lattice", 961, (OURS, "scipy"), (1,), rounds=2, patience=600.0), {})
     assert "points missing" in found.timings[SCIPY].trial.flaw
@@ -82,14 +82,14 @@ def test_a_wrong_peer_is_flagged_and_does_not_count() -> None:
     assert found.best_rival(1) is None
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_peer_that_raises_is_shown_with_its_error() -> None:
     found = run_case(Case("denormal", 300, (OURS, "scipy"), (1,), rounds=1, patience=600.0), {})
     assert "QhullError" in found.timings[SCIPY].trial.trouble
     assert found.timing(SCIPY) is None
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_slow_peer_is_cut_off_and_not_tried_on_more_points() -> None:
     limits: Limits = {}
     case = Case("uniform", 50_000, ("scipy",), (1,), rounds=1, patience=0.02)
@@ -163,7 +163,7 @@ def test_a_silent_process_is_ended(tmp_path: Path) -> None:
             process.ask("more", patience=0.1)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_cgal_agrees_or_says_what_to_install() -> None:
     found = run_case(Case("centimetres", 500, (OURS, CGAL), (1,), rounds=2, patience=600.0), {})
     theirs = found.timings[Contestant(CGAL)]
@@ -198,7 +198,7 @@ def run_bench(folder: Path, *options: str) -> tuple[str, dict]:
     return done.stdout, json.loads(target.read_text())
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_prints_writes_and_draws(tmp_path: Path) -> None:
     sizes = ("--n", "200", "400", "--distributions", "uniform", "jacksboro")
     said, report = run_bench(tmp_path, "delaunay", *sizes, "--rounds", "2")
@@ -214,7 +214,7 @@ def test_the_command_prints_writes_and_draws(tmp_path: Path) -> None:
         assert "<svg" in (tmp_path / f"bench-{name}.svg").read_text()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_takes_a_former_version(tmp_path: Path) -> None:
     words = ("--n", "300", "--rounds", "2", "--distributions", "uniform")
     said, report = run_bench(tmp_path, "delaunay", *words, "--before", sys.executable)
@@ -225,7 +225,7 @@ def test_the_command_takes_a_former_version(tmp_path: Path) -> None:
     assert sys.executable not in json.dumps(report)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_former_version_without_its_interpreter_is_refused(tmp_path: Path) -> None:
     command = [
         sys.executable,
@@ -241,7 +241,7 @@ def test_a_former_version_without_its_interpreter_is_refused(tmp_path: Path) -> 
     assert "needs --before PYTHON" in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_times_small_calls(tmp_path: Path) -> None:
     said, report = run_bench(tmp_path, "small", "--million", "1000", "--threads", "1")
     assert "10 rows, threads=1" in said

@@ -8,7 +8,7 @@ import pytest
 from benchmark.tasks import graphs
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_tables_and_dashes_for_what_fails(capsys, monkeypatch) -> None:
     parser = ArgumentParser()
     graphs.add_options(parser)

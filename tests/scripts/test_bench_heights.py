@@ -65,7 +65,7 @@ def test_without_headers_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch
         campaign.main()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_programs_make_the_heights_of_liftmesh(tmp_path: Path) -> None:
     rng = np.random.default_rng(3)
     rows = terrain(FAMILIES["uniform"](300, rng))

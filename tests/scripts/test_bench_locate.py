@@ -42,7 +42,7 @@ def test_what_is_timed() -> None:
     assert bench_locate.cells(taken, 8) == ["500000.000", "250000.000", "4.00"]
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_table_is_printed() -> None:
     words = ["--n", "300", "--distributions", "circle", "--rounds", "1", "--before", sys.executable]
     done = subprocess.run(

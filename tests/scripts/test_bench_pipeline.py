@@ -24,7 +24,7 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", bench_pipeline.JOBS)
 def test_every_program_does_the_whole_job(name: str, source: Path, tmp_path: Path) -> None:
     if name == bench_pipeline.LEAST:  # it writes the bytes of a mesh that is there
@@ -49,7 +49,7 @@ def test_the_cloud_is_the_same_in_every_run(source: Path, tmp_path: Path) -> Non
     assert (tmp_path / "again.ply").read_bytes() == source.read_bytes()
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_command_prints_each_stage() -> None:
     command = [sys.executable, bench.__file__, "pipeline", "--n", "1000"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)

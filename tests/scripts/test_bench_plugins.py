@@ -9,7 +9,7 @@ from benchmark.tasks import plugins
 from benchmark.tasks.plugins import Taken, Work
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_rows_of_works_and_what_is_stopped_or_missing(capsys, monkeypatch) -> None:
     parser = ArgumentParser()
     plugins.add_options(parser)

@@ -8,7 +8,7 @@ import pytest
 from benchmark.tasks import shapes
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_tables_of_programs_and_dashes_for_those_that_fail(capsys, monkeypatch) -> None:
     parser = ArgumentParser()
     shapes.add_options(parser)

@@ -8,7 +8,7 @@ import pytest
 from benchmark.tasks import space as bench_space
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_case_is_timed_and_peers_that_are_missing_are_dashes(capsys) -> None:
     parser = ArgumentParser()
     bench_space.add_options(parser)

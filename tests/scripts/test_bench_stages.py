@@ -126,7 +126,7 @@ def test_the_named_functions_are_those_that_share_out_work() -> None:
         assert body is not None, function
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_counting_pool_has_all_that_the_kernels_has(tmp_path: Path) -> None:
     (own,) = PROGRAM.folder.glob("*.cpp")
     (replaced,) = KERNEL.rglob(own.name)

@@ -29,7 +29,7 @@ def test_both_programs_do_the_same_work(tmp_path: Path) -> None:
     assert np.array_equal(ours.triangles, theirs.triangles)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_table() -> None:
     command = [sys.executable, bench.__file__, "stl", "--n", "300", "--rounds", "1"]
     told = subprocess.run(command, capture_output=True, text=True, check=True).stdout

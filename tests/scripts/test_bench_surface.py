@@ -12,7 +12,7 @@ from benchmark.tasks import surface as bench_surface
 from rich.console import Console
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_all_programs_give_the_same_heights() -> None:
     surface = bench_surface.liftmesh.triangulate(bench_surface.terrain(500))
     asked = np.random.default_rng(1).uniform(200, 800, (50, 2))

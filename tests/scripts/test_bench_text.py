@@ -42,7 +42,7 @@ def test_other_values_are_noticed(folder: Path) -> None:
         bench_text.job("read XYZ", folder)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_table() -> None:
     words = ["--n", str(ROWS), "--rounds", "1", "--alone"]
     command = [sys.executable, bench.__file__, "text", *words]

@@ -15,7 +15,7 @@ import liftmesh
 POINTS = np.random.default_rng(3).normal(size=(4_000, 2))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_tiles_are_equal_and_need_less_memory(tmp_path: Path) -> None:
     np.save(tmp_path / "points.npy", POINTS)
     one, tiled = (bench_tiles.taken(way, tmp_path, 500) for way in ("one call", "tile"))

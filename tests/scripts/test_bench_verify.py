@@ -16,7 +16,7 @@ import liftmesh
 POINTS = np.random.default_rng(8).random((2000, 2))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_both_are_timed_and_the_answer_is_told(tmp_path: Path) -> None:
     triangles = liftmesh.delaunay(POINTS).simplices
     judged = bench_verify.judge(POINTS, triangles, 2, 2, tmp_path)
@@ -44,7 +44,7 @@ def test_flawed_lists_are_flawed() -> None:
     assert wrong["all twice"] == 0
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_table_is_printed() -> None:
     words = [
         "--n",
