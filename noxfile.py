@@ -15,7 +15,6 @@ nox.options.sessions = ["fast"]
 
 PYTEST = (".venv-test/bin/python", "-m", "pytest", "-n", "auto", "--dist", "worksteal")
 INSTALL = (".venv-test/bin/python", "-m", "pip", "install", "-q")
-SITE = nox.project.load_toml("pyproject.toml")["project"]["optional-dependencies"]["docs"]
 MUTATION = "cosmic-ray>=8.3"  # no wheel of what it needs: only for this
 CAMPAIGNS = (  # each runs for some minutes by itself
     "fuzz kernel --seconds 600",
@@ -71,7 +70,6 @@ def full(session: nox.Session) -> None:
 @nox.session(requires=["dev"])
 def docs(session: nox.Session) -> None:
     """Build the site of documentation, with the pictures of its gallery, in out/docs/html."""
-    session.run(*INSTALL, *SITE, external=True)
     session.run(".venv-test/bin/python", "scripts/docs", *session.posargs, external=True)
 
 
@@ -79,7 +77,7 @@ def docs(session: nox.Session) -> None:
 def nightly(session: nox.Session) -> None:
     """Run what takes hours: the tests of campaigns, new examples, and the campaigns of scripts/."""
     seed = random.SystemRandom().randrange(2**32)
-    session.run(*INSTALL, MUTATION, *SITE, external=True)
+    session.run(*INSTALL, MUTATION, external=True)
     session.run(*PYTEST, "-m", "campaign", "tests", external=True)
     new = ("--hypothesis-profile=new", f"--hypothesis-seed={seed}")
     session.run(*PYTEST, "-m", "hypothesis", *new, "tests", external=True)

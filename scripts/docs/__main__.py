@@ -5,8 +5,8 @@
     python scripts/docs --fresh          from scratch: reuse nothing of an earlier build
 
 Warnings are errors, and so are links and anchors of the pages that lead nowhere, and parts that a
-browser would load from elsewhere. Nothing is downloaded. It needs the extra ``docs``:
-``pip install -e '.[docs]'``, or ``nox -s docs``, which installs it first.
+browser would load from elsewhere. Nothing is downloaded. It needs the extra ``docs``,
+``pip install -e '.[docs]'``, which ``nox -s dev`` installs, too.
 """
 
 from __future__ import annotations

@@ -1,10 +1,11 @@
-"""The site of documentation, but for Sphinx: `nox -s docs` builds all of it."""
+"""The site of documentation, without its pictures: `nox -s docs` builds these, too."""
 
 from __future__ import annotations
 
 import importlib
 import re
 import runpy
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -148,3 +149,12 @@ def test_some_scripts_of_the_gallery_draw(name: str, monkeypatch: pytest.MonkeyP
     runpy.run_path(f"{name}.py")
     assert len(plt.get_fignums()) == 1
     plt.close("all")
+
+
+@pytest.mark.slow
+def test_the_site_is_built_without_a_warning_or_a_broken_link(tmp_path: Path) -> None:
+    words = [sys.executable, "scripts/docs", "--no-pictures", "--out", str(tmp_path)]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "html" / "index.html").is_file()
+    assert len([*(tmp_path / "html" / "cli").glob("*.html")]) > len(COMMANDS)
