@@ -506,7 +506,7 @@ def _check_range(*surfaces: SurfaceData) -> None:
     """
     sizes = np.concatenate([np.abs(each.triangulation.points).ravel() for each in surfaces])
     sizes = sizes[np.isfinite(sizes)]  # of other rows there are no faces
-    most = float(sizes.max())
+    most = float(sizes.max(initial=0))
     scaled = -math.frexp(most)[1] + 1
     if most < _SCALED or (np.ldexp(np.ldexp(sizes, scaled), -scaled) == sizes).all():
         return
@@ -529,16 +529,17 @@ def touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
 
 
 def _of_middles(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
-    """Find faces at the middle of some face: they overlap, unless it was rounded to a side."""
-    some = [each.simplices[:: len(each.simplices) // _SPREAD + 1] for each in (one, two)]
-    corners = [each.points[rows] / 3 for each, rows in zip((one, two), some, strict=True)]
-    middles = np.concatenate(corners).sum(axis=1)
-    places = np.stack([each.find_simplex(middles) for each in (one, two)], axis=1)
-    inside = np.flatnonzero((places >= 0).all(axis=1))
-    if not len(inside):
-        return None
-    face, other = places[inside[0]].tolist()
-    return face, other
+    """Find a face with its middle inside, and the face of the other there: they overlap."""
+    for first, second in ((one, two), (two, one)):
+        faces = np.arange(0, len(first.simplices), len(first.simplices) // _SPREAD + 1)
+        a, b, c = (first.points[first.simplices[faces, k]] for k in range(3))
+        middles = a / 3 + b / 3 + c / 3
+        sides = [orient2d(*ends, middles) > 0 for ends in ((a, b), (b, c), (c, a))]
+        places = np.where(np.all(sides, axis=0), second.find_simplex(middles), -1)
+        if len(inside := np.flatnonzero(places >= 0)):
+            face, other = int(faces[inside[0]]), int(places[inside[0]])
+            return (face, other) if first is one else (other, face)
+    return None
 
 
 def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
